@@ -1,0 +1,96 @@
+//! The signs that decide a bit, in integers: called where a float sign cannot be trusted.
+//!
+//! The rule: light sample L is blocked from receiver p by triangle (a, b, c) iff L and p lie *strictly* on opposite
+//! sides of the triangle's plane and the three edge determinants, oriented by p's side, are ≥ 0. Triangles are closed:
+//! a sample on a shared edge is blocked by both neighbours. A triangle whose plane holds the receiver or the sample
+//! blocks nothing, and so does a degenerate one.
+//!
+//! With `n(a,b) = (a − p) × (b − a)`, the edge determinant is `n·(L − p)`, and along the light's rows and columns it is
+//! linear: a [`GridForm`]. The plane of the triangle is one too.
+
+use glam::IVec3;
+
+use crate::light::LatticeLight;
+pub use crate::wide::{Wide, WideInt};
+
+/// An integer that is linear over the light's grid: `at_origin + i·per_row + j·per_column` at sample (i, j).
+#[derive(Clone, Copy, Debug)]
+pub struct GridForm<W> {
+    /// Value at sample (0, 0).
+    pub at_origin: W,
+    /// Difference from one row to the next.
+    pub per_row: W,
+    /// Difference from one column to the next.
+    pub per_column: W,
+}
+
+impl<W: WideInt> GridForm<W> {
+    /// Sign at sample (`row`, `column`).
+    #[inline(always)]
+    pub fn sign_at(&self, row: i32, column: i32) -> i32 {
+        self.at_origin.plus(self.per_row.times(row)).plus(self.per_column.times(column)).sign()
+    }
+
+    /// The form `n·(L − from)` over the light's samples.
+    #[inline(always)]
+    fn along(normal: [W; 3], from: IVec3, light: &LatticeLight) -> Self {
+        Self {
+            at_origin: dot(normal, light.origin - from),
+            per_row: dot(normal, light.step_v),
+            per_column: dot(normal, light.step_u),
+        }
+    }
+}
+
+/// `u × v`; components of `u` and `v` below 2^31 in magnitude, as differences of lattice points are.
+#[inline(always)]
+pub fn cross<W: WideInt>(u: IVec3, v: IVec3) -> [W; 3] {
+    [
+        W::product(u.y, v.z).minus(W::product(u.z, v.y)),
+        W::product(u.z, v.x).minus(W::product(u.x, v.z)),
+        W::product(u.x, v.y).minus(W::product(u.y, v.x)),
+    ]
+}
+
+/// `n·d`.
+#[inline(always)]
+pub fn dot<W: WideInt>(n: [W; 3], d: IVec3) -> W {
+    n[0].times(d.x).plus(n[1].times(d.y)).plus(n[2].times(d.z))
+}
+
+/// The oriented plane through receiver `p` and edge `a → b`, over the light's samples.
+#[inline]
+pub fn edge_form<W: WideInt>(light: &LatticeLight, p: IVec3, a: IVec3, b: IVec3) -> GridForm<W> {
+    GridForm::along(cross(a - p, b - a), p, light)
+}
+
+/// The oriented plane of the triangle `(a, b, c)`, over the light's samples.
+#[inline]
+pub fn triangle_form<W: WideInt>(light: &LatticeLight, [a, b, c]: [IVec3; 3]) -> GridForm<W> {
+    GridForm::along(cross(b - a, c - a), a, light)
+}
+
+/// The side of the triangle's plane on which light samples must lie to be blocked from `p`: the opposite of p's own.
+/// 0 where p lies in the plane, or the triangle has none.
+#[inline]
+pub fn far_side<W: WideInt>(p: IVec3, [a, b, c]: [IVec3; 3]) -> i32 {
+    dot(cross::<W>(b - a, c - a), a - p).sign()
+}
+
+/// True where `p` is behind the light: `(step_u × step_v)·(p − O) ≤ 0`. All its samples count as blocked.
+#[inline]
+pub fn behind_light<W: WideInt>(light: &LatticeLight, p: IVec3) -> bool {
+    dot(cross::<W>(light.step_u, light.step_v), p - light.origin).sign() <= 0
+}
+
+/// Whether the triangle blocks sample (`row`, `column`) from `p`: the rule as it stands above, one bit at a time.
+pub fn blocks<W: WideInt>(light: &LatticeLight, p: IVec3, triangle: [IVec3; 3], row: u32, column: u32) -> bool {
+    let [a, b, c] = triangle;
+    let (row, column) = (row as i32, column as i32);
+    let side = far_side::<W>(p, triangle);
+    side != 0
+        && triangle_form::<W>(light, triangle).sign_at(row, column) == side
+        && edge_form::<W>(light, p, a, b).sign_at(row, column) * side >= 0
+        && edge_form::<W>(light, p, b, c).sign_at(row, column) * side >= 0
+        && edge_form::<W>(light, p, c, a).sign_at(row, column) * side >= 0
+}

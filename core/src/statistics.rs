@@ -1,0 +1,27 @@
+//! What a run did, in counts.
+
+/// Counts of one run. A pair is a receiver and a triangle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Pairs on which the full-coverage test was asked.
+    pub pairs_tested: u64,
+    /// Pairs that passed it: their planes were set up.
+    pub pairs_kept: u64,
+    /// Pairs of which at least one light sample is blocked.
+    pub pairs_relevant: u64,
+    /// Signs that f32 could not certify and that were redone in integers.
+    pub fallbacks: u64,
+}
+
+impl Counts {
+    /// The sums of both.
+    #[must_use]
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            pairs_tested: self.pairs_tested + other.pairs_tested,
+            pairs_kept: self.pairs_kept + other.pairs_kept,
+            pairs_relevant: self.pairs_relevant + other.pairs_relevant,
+            fallbacks: self.fallbacks + other.fallbacks,
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! What the engine hands over, snapped once: occluders and receivers on the lattice.
+
+use rayon::prelude::*;
+use thiserror::Error;
+use umbra4_core::{
+    Lattice, Lift, SnapError,
+    glam::{DVec3, IVec3, Vec3},
+    surface,
+};
+
+/// Why a scene is refused.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SceneError {
+    /// A vertex is not finite, or outside the lattice.
+    #[error("vertex {index}: {source}")]
+    Vertex {
+        /// Index of the vertex.
+        index: usize,
+        /// What is wrong with it.
+        source: SnapError,
+    },
+    /// A receiver is not finite, or outside the lattice.
+    #[error("receiver {index}: {source}")]
+    Receiver {
+        /// Index of the receiver.
+        index: usize,
+        /// What is wrong with it.
+        source: SnapError,
+    },
+    /// A receiver's surface normal is zero or not finite.
+    #[error("normal {index} is {normal}: it points nowhere")]
+    Normal {
+        /// Index of the receiver.
+        index: usize,
+        /// The normal given.
+        normal: Vec3,
+    },
+    /// A triangle names a vertex that does not exist.
+    #[error("triangle {triangle} names vertex {vertex}, but there are only {vertices}")]
+    IndexOutOfRange {
+        /// Index of the triangle.
+        triangle: usize,
+        /// The vertex index it names.
+        vertex: u32,
+        /// Number of vertices.
+        vertices: usize,
+    },
+    /// There are more elements than a 32-bit index can name.
+    #[error("{count} {field} are too many: at most {most} can be indexed")]
+    TooMany {
+        /// "vertices", "triangles" or "receivers".
+        field: &'static str,
+        /// How many were given.
+        count: usize,
+        /// How many can be.
+        most: usize,
+    },
+    /// Two arrays that belong together differ in length.
+    #[error("{count} normals for {receivers} receivers")]
+    NormalCount {
+        /// Normals given.
+        count: usize,
+        /// Receivers given.
+        receivers: usize,
+    },
+}
+
+/// Largest number of elements of one kind.
+const MOST: usize = (u32::MAX - 1) as usize;
+
+fn check_count(field: &'static str, count: usize) -> Result<(), SceneError> {
+    if count > MOST { Err(SceneError::TooMany { field, count, most: MOST }) } else { Ok(()) }
+}
+
+/// The triangles that block light, on the lattice. One snapped scene serves all lights and frames.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Occluders {
+    vertices: Vec<IVec3>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl Occluders {
+    /// Snaps an indexed mesh. Degenerate triangles are legal and block nothing.
+    ///
+    /// # Errors
+    /// The first vertex that is not finite or outside the lattice; the first index out of range.
+    pub fn new(lattice: &Lattice, vertices: &[Vec3], triangles: &[[u32; 3]]) -> Result<Self, SceneError> {
+        Self::snapped(vertices, triangles, |v| lattice.snap(*v))
+    }
+
+    /// As [`Occluders::new`], from f64 coordinates: for worlds far from the origin.
+    ///
+    /// # Errors
+    /// As [`Occluders::new`].
+    pub fn from_f64(lattice: &Lattice, vertices: &[DVec3], triangles: &[[u32; 3]]) -> Result<Self, SceneError> {
+        Self::snapped(vertices, triangles, |v| lattice.snap_f64(*v))
+    }
+
+    fn snapped<V: Sync>(
+        vertices: &[V],
+        triangles: &[[u32; 3]],
+        snap: impl Fn(&V) -> Result<IVec3, SnapError> + Sync + Send,
+    ) -> Result<Self, SceneError> {
+        check_count("vertices", vertices.len())?;
+        check_count("triangles", triangles.len())?;
+        for (triangle, indices) in triangles.iter().enumerate() {
+            for &vertex in indices {
+                if vertex as usize >= vertices.len() {
+                    return Err(SceneError::IndexOutOfRange { triangle, vertex, vertices: vertices.len() });
+                }
+            }
+        }
+        let vertices = snap_all(vertices, snap, |index, source| SceneError::Vertex { index, source })?;
+        Ok(Self { vertices, triangles: triangles.to_vec() })
+    }
+
+    /// Lattice coordinates of the vertices.
+    pub fn vertices(&self) -> &[IVec3] {
+        &self.vertices
+    }
+
+    /// Vertex indices of the triangles; all in range.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The corners of triangle `index`, or `None` where there is no such triangle.
+    pub fn corners(&self, index: usize) -> Option<[IVec3; 3]> {
+        let [a, b, c] = *self.triangles.get(index)?;
+        Some([self.vertices[a as usize], self.vertices[b as usize], self.vertices[c as usize]])
+    }
+}
+
+/// The points whose masks are asked for, on the lattice.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Receivers {
+    points: Vec<IVec3>,
+}
+
+impl Receivers {
+    /// Raw receivers, taken as they are: no self-shadow lift.
+    ///
+    /// # Errors
+    /// The first point that is not finite or outside the lattice.
+    pub fn raw(lattice: &Lattice, points: &[Vec3]) -> Result<Self, SceneError> {
+        check_count("receivers", points.len())?;
+        let points = snap_all(points, |p| lattice.snap(*p), |index, source| SceneError::Receiver { index, source })?;
+        Ok(Self { points })
+    }
+
+    /// As [`Receivers::raw`], from f64 coordinates.
+    ///
+    /// # Errors
+    /// As [`Receivers::raw`].
+    pub fn raw_f64(lattice: &Lattice, points: &[DVec3]) -> Result<Self, SceneError> {
+        check_count("receivers", points.len())?;
+        let points =
+            snap_all(points, |p| lattice.snap_f64(*p), |index, source| SceneError::Receiver { index, source })?;
+        Ok(Self { points })
+    }
+
+    /// Receivers that lie on surfaces with the given normals (of any length, towards the side that is seen), such as a
+    /// G-buffer's: each is lifted off its surface along the normal's dominant axis, so that the surface and its coplanar
+    /// neighbours do not shadow it. `lift` follows from how the positions were rounded, see [`Lift`].
+    ///
+    /// # Errors
+    /// As [`Receivers::raw`]; a normal that is zero or not finite; arrays of different lengths.
+    pub fn on_surfaces(lattice: &Lattice, points: &[Vec3], normals: &[Vec3], lift: Lift) -> Result<Self, SceneError> {
+        if normals.len() != points.len() {
+            return Err(SceneError::NormalCount { count: normals.len(), receivers: points.len() });
+        }
+        let mut receivers = Self::raw(lattice, points)?;
+        for (index, (point, normal)) in receivers.points.iter_mut().zip(normals).enumerate() {
+            let (axis, sign) = surface::dominant_axis_f32(*normal);
+            if sign == 0 || !normal.is_finite() {
+                return Err(SceneError::Normal { index, normal: *normal });
+            }
+            *point = surface::lift(*point, axis, sign * lift.steps());
+        }
+        Ok(receivers)
+    }
+
+    /// Lattice coordinates of the receivers.
+    pub fn points(&self) -> &[IVec3] {
+        &self.points
+    }
+
+    /// Number of receivers.
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// True where there are none.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+}
+
+fn snap_all<P: Sync>(
+    points: &[P],
+    snap: impl Fn(&P) -> Result<IVec3, SnapError> + Sync + Send,
+    error: impl Fn(usize, SnapError) -> SceneError + Sync,
+) -> Result<Vec<IVec3>, SceneError> {
+    let snapped: Vec<Result<IVec3, SnapError>> = points.par_iter().map(snap).collect();
+    // The first bad element is named, whatever the number of threads.
+    snapped.into_iter().enumerate().map(|(index, p)| p.map_err(|source| error(index, source))).collect()
+}

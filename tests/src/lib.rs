@@ -1,0 +1,1 @@
+//! Oracles, scene generators, the hard-case catalogue, the conformance suite.
