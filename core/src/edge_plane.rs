@@ -128,17 +128,23 @@ impl ReceiverTile {
     }
 }
 
+/// Doubt, in columns, from which on a plane's own doubt is used row by row, and not the largest of the pair's.
+pub const WIDE: f32 = 0.25;
+
 /// The switch columns of `E` planes for sixteen receivers, as lines over the rows: `x(i) = slope·i + …`. A plane with its
 /// bit in `lower` blocks from x upwards, one without from x downwards.
 #[derive(Clone, Copy, Debug)]
 pub struct Lines<const E: usize> {
     /// Columns a row.
     pub slope: [[f32; TILE]; E],
-    /// Switch column at row 0, moved towards the blocked side by the error bound: beyond it all is surely blocked.
-    pub inner: [[f32; TILE]; E],
-    /// Switch column at row 0, moved the other way: before it nothing is blocked. Equal to `inner` where signs are not
-    /// certified.
-    pub outer: [[f32; TILE]; E],
+    /// Switch column at row 0.
+    pub start: [[f32; TILE]; E],
+    /// Error bound of the switch column, in columns, at any row. Written only where signs are certified.
+    pub doubt: [[f32; TILE]; E],
+    /// The largest of a lane's doubts.
+    pub most_doubt: [f32; TILE],
+    /// Bit l: a doubt of lane l is [`WIDE`] or more, as that of a plane nearly parallel to the rows.
+    pub wide: u32,
     /// Bit l: for lane l the plane bounds the columns from below.
     pub lower: [u32; E],
     /// Bit l: lane l's side of the triangle's plane is the negative one.
@@ -147,8 +153,15 @@ pub struct Lines<const E: usize> {
 
 impl<const E: usize> Lines<E> {
     /// Lines of nothing, to be written by [`PairPlanes::lines`].
-    pub const EMPTY: Self =
-        Self { slope: [[0.0; TILE]; E], inner: [[0.0; TILE]; E], outer: [[0.0; TILE]; E], lower: [0; E], flipped: 0 };
+    pub const EMPTY: Self = Self {
+        slope: [[0.0; TILE]; E],
+        start: [[0.0; TILE]; E],
+        doubt: [[0.0; TILE]; E],
+        most_doubt: [0.0; TILE],
+        wide: 0,
+        lower: [0; E],
+        flipped: 0,
+    };
 }
 
 /// One triangle against sixteen receivers.
@@ -194,6 +207,7 @@ impl<'a> PairPlanes<'a> {
         let mut first = 0;
         lines.lower = [0; E];
         lines.flipped = 0;
+        lines.wide = 0;
         while first < TILE {
             let lanes = wanted >> first & low_bits(L::WIDTH);
             if lanes != 0 {
@@ -217,14 +231,7 @@ impl<'a> PairPlanes<'a> {
             L::load_ints(&self.receivers.axes[1], first),
             L::load_ints(&self.receivers.axes[2], first),
         ];
-        let from_p = |q: IVec3| {
-            [
-                L::difference(L::splat_int(q.x), p[0]),
-                L::difference(L::splat_int(q.y), p[1]),
-                L::difference(L::splat_int(q.z), p[2]),
-            ]
-        };
-        let d0 = from_p(self.corners[0]);
+        let d0 = towards::<L>(self.corners[0], &p);
         let side = dot_scalar(self.normal, &d0);
         let doubt = L::splat(self.normal_size * (FORM_ERRORS * L::ROUNDOFF)).mul(largest(&d0));
         let (positive, negative) = self.sides::<L, P>(first, wanted, side, doubt, fallbacks);
@@ -234,11 +241,12 @@ impl<'a> PairPlanes<'a> {
         }
         let flipped = if E == 3 { 0 } else { negative };
         lines.flipped |= flipped << first;
-        let g = from_p(self.grid.light.origin);
+        let g = towards::<L>(self.grid.light.origin, &p);
         let reach = largest(&g).add(L::splat(self.grid.reach));
+        let mut most_doubt = L::splat(0.0);
         let mut k = 0;
         while k < 3 {
-            let d = if k == 0 { d0 } else { from_p(self.corners[k]) };
+            let d = if k == 0 { d0 } else { towards::<L>(self.corners[k], &p) };
             let e = self.edges[k];
             let n = cross_scalar(&d, e);
             let size = one_norm(&d).mul(L::splat(sum_of_magnitudes(e)));
@@ -249,14 +257,18 @@ impl<'a> PairPlanes<'a> {
                 size,
                 reach,
             };
-            alive &= self.line::<L, P, E>(k, first, form, lines);
+            alive &= self.line::<L, P, E>(k, first, form, lines, &mut most_doubt);
             if alive == 0 {
                 return 0;
             }
             k += 1;
         }
         if E == 4 {
-            alive &= self.line::<L, P, E>(3, first, self.own_form(), lines);
+            alive &= self.line::<L, P, E>(3, first, self.own_form(), lines, &mut most_doubt);
+        }
+        if P::CERTIFIED {
+            most_doubt.store(&mut lines.most_doubt, first);
+            lines.wide |= L::bits(most_doubt.ge(L::splat(WIDE))) << first;
         }
         alive
     }
@@ -312,24 +324,17 @@ impl<'a> PairPlanes<'a> {
         first: usize,
         form: Form<L>,
         lines: &mut Lines<E>,
+        most_doubt: &mut L,
     ) -> u32 {
         let zero = L::splat(0.0);
-        let oriented = |x: L| {
-            if E == 3 {
-                return x;
-            }
-            // Lanes whose receiver is on the other side see the planes turned round.
-            let mut signs = [1.0_f32; TILE];
-            let mut lane = 0;
-            while lane < TILE {
-                if lines.flipped >> lane & 1 == 1 {
-                    signs[lane] = -1.0;
-                }
-                lane += 1;
-            }
-            x.mul(L::load(&signs, first))
+        let Form { at_origin: a, per_row: c, per_column: b, .. } = form;
+        // Lanes whose receiver is on the other side see the planes turned round.
+        let (a, c, b) = if E == 3 {
+            (a, c, b)
+        } else {
+            let turn = turned::<L>(lines.flipped, first);
+            (a.mul(turn), c.mul(turn), b.mul(turn))
         };
-        let (a, c, b) = (oriented(form.at_origin), oriented(form.per_row), oriented(form.per_column));
         // A receiver on the edge's own vertex has a size of zero, and so no bound: one lattice unit is the least.
         let size = form.size.max(L::splat(1.0));
         let bound = size.mul(form.reach).mul(L::splat(COLUMN_ERRORS * L::ROUNDOFF));
@@ -341,13 +346,11 @@ impl<'a> PairPlanes<'a> {
         let (at_origin, slope) = (a.mul(signed), c.mul(signed));
         slope.store(&mut lines.slope[k], first);
         if P::CERTIFIED {
-            let delta = bound.mul(inverse);
-            let inward = L::select(lower, delta, zero.sub(delta));
-            at_origin.add(inward).store(&mut lines.inner[k], first);
-            at_origin.sub(inward).store(&mut lines.outer[k], first);
-        } else {
-            at_origin.store(&mut lines.inner[k], first);
+            let doubt = bound.mul(inverse);
+            doubt.store(&mut lines.doubt[k], first);
+            *most_doubt = most_doubt.max(doubt);
         }
+        at_origin.store(&mut lines.start[k], first);
         lines.lower[k] |= L::bits(lower) << first;
         // The form's largest value over the grid.
         let rise = c.mul(L::splat(self.grid.last_row)).max(zero);
@@ -360,6 +363,33 @@ impl<'a> PairPlanes<'a> {
 #[inline(always)]
 const fn low_bits(n: usize) -> u32 {
     (1 << n) - 1
+}
+
+// No closures from here on, nor above: a closure is a function of its own, and would be compiled without the instruction
+// set that the executor chose.
+
+/// `q − p`.
+#[inline(always)]
+fn towards<L: Lanes>(q: IVec3, p: &[L::Ints; 3]) -> [L; 3] {
+    [
+        L::difference(L::splat_int(q.x), p[0]),
+        L::difference(L::splat_int(q.y), p[1]),
+        L::difference(L::splat_int(q.z), p[2]),
+    ]
+}
+
+/// −1 in the lanes whose bit is set, 1 in the others.
+#[inline(always)]
+fn turned<L: Lanes>(flipped: u32, first: usize) -> L {
+    let mut signs = [1.0_f32; TILE];
+    let mut lane = 0;
+    while lane < TILE {
+        if flipped >> lane & 1 == 1 {
+            signs[lane] = -1.0;
+        }
+        lane += 1;
+    }
+    L::load(&signs, first)
 }
 
 #[inline(always)]

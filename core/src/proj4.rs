@@ -44,7 +44,8 @@ pub type Keys = [f32; KEYS];
 
 /// Keys of sixteen entries: key-major, so that lanes compare all entries at once.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
+#[cfg_attr(not(target_arch = "spirv"), repr(C, align(64)))]
+#[cfg_attr(target_arch = "spirv", repr(C))]
 pub struct KeyTile {
     /// `keys[k][entry]`.
     pub keys: [[f32; TILE]; KEYS],
@@ -77,9 +78,13 @@ impl KeyTile {
         let mut bits = 0;
         let mut first = 0;
         while first < TILE {
-            let ge = |k: usize| L::load(&self.keys[k], first).ge(L::splat(need[k]));
-            let sides = L::both(L::both(ge(0), ge(1)), L::both(ge(2), ge(3)));
-            bits |= L::bits(L::both(sides, ge(4))) << first;
+            let mut covered = L::load(&self.keys[0], first).ge(L::splat(need[0]));
+            let mut k = 1;
+            while k < KEYS {
+                covered = L::both(covered, L::load(&self.keys[k], first).ge(L::splat(need[k])));
+                k += 1;
+            }
+            bits |= L::bits(covered) << first;
             first += L::WIDTH;
         }
         bits
@@ -91,9 +96,13 @@ impl KeyTile {
         let mut bits = 0;
         let mut first = 0;
         while first < TILE {
-            let ge = |k: usize| L::splat(reach[k]).ge(L::load(&self.keys[k], first));
-            let sides = L::both(L::both(ge(0), ge(1)), L::both(ge(2), ge(3)));
-            bits |= L::bits(L::both(sides, ge(4))) << first;
+            let mut covered = L::splat(reach[0]).ge(L::load(&self.keys[0], first));
+            let mut k = 1;
+            while k < KEYS {
+                covered = L::both(covered, L::splat(reach[k]).ge(L::load(&self.keys[k], first)));
+                k += 1;
+            }
+            bits |= L::bits(covered) << first;
             first += L::WIDTH;
         }
         bits

@@ -2,8 +2,8 @@
 //!
 //! Seed: Wang et al. 2016, section 3.3 and Algorithm 3, lines 11 to 17. Departures: the partial masks of the planes are
 //! not built and ANDed; the largest lower and the smallest upper bound give the interval, and one word a row is made from
-//! it. With certified precision two intervals are carried, of columns that are surely blocked (inner) and of columns
-//! that may be (outer). Where they agree the row is certified; the few columns between them are decided in integers.
+//! it. With certified precision, rows whose bounds come within the planes' doubt of a column are redone: between the
+//! columns that are surely blocked (inner interval) and those that may be (outer), each is decided in integers.
 
 use crate::{
     edge_plane::Lines,
@@ -18,22 +18,6 @@ use glam::IVec3;
 /// Rows of one receiver, padded to whole tiles: rows at and beyond the light's hold full words.
 pub type MaskRows<W> = [W; MAX_SAMPLES as usize];
 
-/// A row's half-open column intervals, in `0..=columns`.
-#[derive(Clone, Copy)]
-struct Intervals<L: Lanes> {
-    inner: (L::Ints, L::Ints),
-    outer: (L::Ints, L::Ints),
-}
-
-/// What one pair did to a mask.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Filled {
-    /// At least one sample is blocked by this triangle.
-    pub relevant: bool,
-    /// All samples of the mask are blocked now.
-    pub full: bool,
-}
-
 /// A pair whose doubtful columns are decided in integers.
 pub struct PairIntegers<'a> {
     /// The light.
@@ -46,94 +30,178 @@ pub struct PairIntegers<'a> {
     pub fallbacks: &'a mut u64,
 }
 
-/// The intervals of rows `first_row..first_row + WIDTH` for one receiver (`lane`).
+/// A vector of rows' column intervals, as the planes of one receiver (`lane`) bound them, each plane moved towards the
+/// blocked side by its entry of `inward`. Half a column outside the grid at most: that rounds to 0 or to `columns`,
+/// whichever way it is rounded.
 #[inline(always)]
-fn intervals<L: Lanes, P: PrecisionMode, const E: usize>(
+fn interval<L: Lanes, const E: usize>(
     lines: &Lines<E>,
     lane: usize,
     rows: L,
     columns: u32,
-) -> Intervals<L> {
-    // Half a column outside the grid on either side: rounds to 0 and to `columns`, whichever way it is rounded.
+    inward: &[f32; E],
+) -> (L, L) {
     let (lowest, highest) = (L::splat(-0.5), L::splat(columns as f32 - 0.5));
-    let (mut from_in, mut to_in, mut from_out, mut to_out) = (lowest, highest, lowest, highest);
+    let (mut from, mut to) = (lowest, highest);
     let mut k = 0;
     while k < E {
         let along = L::splat(lines.slope[k][lane]).mul(rows);
-        let inner = along.add(L::splat(lines.inner[k][lane]));
-        let outer = if P::CERTIFIED { along.add(L::splat(lines.outer[k][lane])) } else { inner };
         if lines.lower[k] >> lane & 1 == 1 {
-            from_in = from_in.max(inner);
-            from_out = if P::CERTIFIED { from_out.max(outer) } else { from_out };
+            from = from.max(along.add(L::splat(lines.start[k][lane] + inward[k])));
         } else {
-            to_in = to_in.min(inner);
-            to_out = if P::CERTIFIED { to_out.min(outer) } else { to_out };
+            to = to.min(along.add(L::splat(lines.start[k][lane] - inward[k])));
         }
         k += 1;
     }
-    let inner = (from_in.min(highest).ceil(), past(to_in.max(lowest)));
-    let outer = if P::CERTIFIED { (from_out.min(highest).ceil(), past(to_out.max(lowest))) } else { inner };
-    Intervals { inner, outer }
+    (from.min(highest), to.max(lowest))
 }
 
-/// The half-open end of an interval whose last column is `⌊x⌋`.
+/// The planes' own doubts, times `sign`.
 #[inline(always)]
-fn past<L: Lanes>(x: L) -> L::Ints {
-    x.add(L::splat(1.0)).floor()
+fn doubts<const E: usize>(lines: &Lines<E>, lane: usize, sign: f32) -> [f32; E] {
+    let mut out = [0.0; E];
+    let mut k = 0;
+    while k < E {
+        out[k] = sign * lines.doubt[k][lane];
+        k += 1;
+    }
+    out
 }
 
-/// ORs the rows of one triangle into one receiver's mask. `lane` is the receiver's in `lines`.
+/// The half-open columns of an interval, in `0..=columns`. Both its ends are included.
+#[inline(always)]
+fn columns_of<L: Lanes>((from, to): (L, L)) -> (L::Ints, L::Ints) {
+    (from.ceil(), to.add(L::splat(1.0)).floor())
+}
+
+/// Whether all samples of a mask with `columns` columns are blocked.
+#[inline(always)]
+pub fn is_full<W: MaskWord>(mask: &MaskRows<W>, columns: u32) -> bool {
+    let (mut all, mut row) = (W::below(columns), 0);
+    while row < mask.len() {
+        all = all.and(mask[row]);
+        row += 1;
+    }
+    all == W::below(columns)
+}
+
+/// ORs the rows of one triangle into one receiver's mask. `lane` is the receiver's in `lines`. Returns whether the
+/// triangle blocks at least one sample.
 #[inline(always)]
 pub fn fill<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
     lines: &Lines<E>,
     lane: usize,
     pair: &mut PairIntegers<'_>,
     mask: &mut MaskRows<W>,
-) -> Filled {
+) -> bool {
     let lane = lane % TILE;
-    let (rows, columns) = (pair.light.rows as usize, pair.light.columns);
-    let (mut any, mut all) = (W::EMPTY, W::below(W::BITS));
+    let wide = P::CERTIFIED && lines.wide >> lane & 1 == 1;
+    let mut unsure = [0_u32; 2];
+    let relevant = if wide {
+        fill_rows::<L, W, E>(lines, lane, pair.light, mask, &mut unsure, Doubt::OfEachPlane)
+    } else if P::CERTIFIED {
+        fill_rows::<L, W, E>(lines, lane, pair.light, mask, &mut unsure, Doubt::OfAllPlanes)
+    } else {
+        fill_rows::<L, W, E>(lines, lane, pair.light, mask, &mut unsure, Doubt::None)
+    };
+    // After the loop, so that nothing in it has to outlive a call.
+    let settled = P::CERTIFIED && unsure[0] | unsure[1] != 0 && settle_rows(lines, lane, pair, unsure, mask);
+    relevant | settled
+}
+
+/// How the rows in doubt are found. Always a constant where it is used.
+#[derive(Clone, Copy, PartialEq)]
+enum Doubt {
+    /// Not at all.
+    None,
+    /// All planes are moved by the largest doubt of the pair, and a bound is held against the same: a few operations.
+    OfAllPlanes,
+    /// The interval is made twice, with every plane moved by its own doubt either way.
+    OfEachPlane,
+}
+
+/// ORs what is certain into `mask`, and sets the bits of the rows that are not.
+#[inline(always)]
+fn fill_rows<L: Lanes, W: MaskWord, const E: usize>(
+    lines: &Lines<E>,
+    lane: usize,
+    light: &LatticeLight,
+    mask: &mut MaskRows<W>,
+    unsure: &mut [u32; 2],
+    doubt: Doubt,
+) -> bool {
+    let (rows, columns) = (light.rows as usize, light.columns);
+    let inward = match doubt {
+        Doubt::None => [0.0; E],
+        Doubt::OfAllPlanes => [lines.most_doubt[lane]; E],
+        Doubt::OfEachPlane => doubts(lines, lane, 1.0),
+    };
+    let mut relevant = false;
     let mut row = 0;
     while row < rows {
-        let found = intervals::<L, P, E>(lines, lane, L::count_from(row), columns);
+        let at = L::count_from(row);
+        let inner = interval::<L, E>(lines, lane, at, columns, &inward);
+        let (from, to) = columns_of(inner);
         let (mut starts, mut ends) = ([0_i32; TILE], [0_i32; TILE]);
-        L::store_ints(found.inner.0, &mut starts, 0);
-        L::store_ints(found.inner.1, &mut ends, 0);
+        L::store_ints(from, &mut starts, 0);
+        L::store_ints(to, &mut ends, 0);
         let Some(words) = mask.get_mut(row..row + L::WIDTH) else { break };
         let mut k = 0;
         while k < L::WIDTH && k < words.len() {
-            let word = W::span(starts[k] as u32, ends[k] as u32);
-            any = any.or(if row + k < rows { word } else { W::EMPTY });
-            words[k] = words[k].or(word);
-            all = all.and(words[k]);
+            words[k] = words[k].or(W::span(starts[k] as u32, ends[k] as u32));
             k += 1;
         }
-        if P::CERTIFIED {
-            let mut unsure = L::differ(found.inner.0, found.outer.0) | L::differ(found.inner.1, found.outer.1);
-            if unsure != 0 {
-                let (mut from, mut to) = ([0_i32; TILE], [0_i32; TILE]);
-                L::store_ints(found.outer.0, &mut from, 0);
-                L::store_ints(found.outer.1, &mut to, 0);
-                let mut forms = PairForms::new();
-                while unsure != 0 {
-                    let k = unsure.trailing_zeros() as usize % TILE;
-                    unsure &= unsure - 1;
-                    if row + k < rows {
-                        let known = W::span(starts[k] as u32, ends[k] as u32);
-                        let doubtful = W::span(from[k] as u32, to[k] as u32);
-                        let Some(word) = words.get_mut(k) else { break };
-                        let found = forms.settle(lines, lane, pair, row + k, doubtful.without(known.or(*word)));
-                        any = any.or(found);
-                        *word = word.or(found);
-                    }
-                }
-                // Rounded down, so that a mask that has just become full is noticed with its next triangle.
-                all = W::EMPTY;
+        // Rows beyond the light's hold full words, and are no rows of this triangle.
+        let present = if rows - row < 32 { (1 << (rows - row)) - 1 } else { u32::MAX };
+        relevant |= L::less(from, to) & present != 0;
+        let bits = match doubt {
+            Doubt::None => 0,
+            Doubt::OfAllPlanes => {
+                let most = L::splat(lines.most_doubt[lane]);
+                let (from, to) = (inner.0.sub(most), inner.1.add(most));
+                let near = from.near_integer(most) | to.near_integer(most);
+                near & L::bits(to.add(most).ge(from.sub(most)))
             }
-        }
+            Doubt::OfEachPlane => {
+                let outer = columns_of(interval::<L, E>(lines, lane, at, columns, &doubts(lines, lane, -1.0)));
+                (L::differ(from, outer.0) | L::differ(to, outer.1)) & L::less(outer.0, outer.1)
+            }
+        };
+        unsure[row / 32 % 2] |= (bits & present) << (row % 32);
         row += L::WIDTH;
     }
-    Filled { relevant: any != W::EMPTY, full: all.and(W::below(columns)) == W::below(columns) }
+    relevant
+}
+
+/// Decides the doubtful columns of the rows in `unsure` (bit k of word w: row `32w + k`). Returns whether any is blocked.
+///
+/// A function of its own, on one lane: few rows come here, and the path of the others stays short.
+#[inline(never)]
+fn settle_rows<W: MaskWord, const E: usize>(
+    lines: &Lines<E>,
+    lane: usize,
+    pair: &mut PairIntegers<'_>,
+    mut unsure: [u32; 2],
+    mask: &mut MaskRows<W>,
+) -> bool {
+    let columns = pair.light.columns;
+    let mut forms = PairForms::new();
+    let mut relevant = false;
+    while unsure[0] | unsure[1] != 0 {
+        let word = (unsure[0] == 0) as usize;
+        let row = word * 32 + unsure[word].trailing_zeros() as usize;
+        unsure[word] &= unsure[word] - 1;
+        let inner = columns_of(interval::<f32, E>(lines, lane, row as f32, columns, &doubts(lines, lane, 1.0)));
+        let outer = columns_of(interval::<f32, E>(lines, lane, row as f32, columns, &doubts(lines, lane, -1.0)));
+        let known = W::span(inner.0 as u32, inner.1 as u32);
+        let doubtful = W::span(outer.0 as u32, outer.1 as u32);
+        let Some(word) = mask.get_mut(row) else { break };
+        let found = forms.settle(lines, lane, pair, row, doubtful.without(known.or(*word)));
+        let found = known.or(found);
+        relevant |= found != W::EMPTY;
+        *word = word.or(found);
+    }
+    relevant
 }
 
 /// The integer forms of one pair, each made when it is first needed.
@@ -151,7 +219,7 @@ impl PairForms {
     }
 
     /// Which of the doubtful columns of a row are blocked. Only planes that are themselves in doubt there are asked.
-    #[inline(never)]
+    #[inline(always)]
     fn settle<W: MaskWord, const E: usize>(
         &mut self,
         lines: &Lines<E>,
@@ -169,8 +237,9 @@ impl PairForms {
             let mut blocked = true;
             let mut k = 0;
             while k < E {
-                let x = lines.slope[k][lane] * row as f32 + lines.inner[k][lane];
-                let certain = if lines.lower[k] >> lane & 1 == 1 { column as f32 > x } else { (column as f32) < x };
+                let x = lines.slope[k][lane] * row as f32 + lines.start[k][lane];
+                let (j, doubt) = (column as f32, lines.doubt[k][lane]);
+                let certain = if lines.lower[k] >> lane & 1 == 1 { j > x + doubt } else { j < x - doubt };
                 if !certain {
                     *pair.fallbacks += 1;
                     let sign = self.form(k, pair).sign_at(row as i32, column as i32) * side;

@@ -38,6 +38,8 @@ pub struct Group<W> {
     pub needs: KeyTile,
     /// Bit l: lane l holds a receiver whose mask is not full yet.
     pub active: u32,
+    /// Bit l: lane l's mask has changed since it was last compared with a full one.
+    pub touched: u32,
     /// Their masks. Rows beyond the light's hold full words.
     pub masks: [MaskRows<W>; TILE],
     /// Triangles that block at least one sample of each; of a receiver that became full, those met until then.
@@ -57,6 +59,7 @@ impl<W: MaskWord> Group<W> {
             receivers: ReceiverTile { axes: [[0; TILE]; 3] },
             needs: KeyTile::NOTHING,
             active: 0,
+            touched: 0,
             masks: [mask; TILE],
             relevant: [0; TILE],
             counts: Counts::default(),
@@ -108,9 +111,23 @@ pub fn resolve<L: Lanes, W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, g
             } else {
                 resolve_mixed::<L, W, P>(scene.grid, occluder, kept, group);
             }
-            if group.active == 0 {
-                return;
-            }
+        }
+        drop_full(scene.grid.light.columns, group);
+        if group.active == 0 {
+            return;
+        }
+    }
+}
+
+/// Receivers whose mask is full take no further part. Looked at once a tile of triangles: it costs as much as a pair.
+#[inline(always)]
+fn drop_full<W: MaskWord>(columns: u32, group: &mut Group<W>) {
+    let mut touched = core::mem::take(&mut group.touched) & group.active;
+    while touched != 0 {
+        let lane = touched.trailing_zeros() as usize % TILE;
+        touched &= touched - 1;
+        if row_mask::is_full(&group.masks[lane], columns) {
+            group.active &= !(1 << lane);
         }
     }
 }
@@ -162,11 +179,9 @@ pub fn resolve_pairs<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
             corners: occluder.corners,
             fallbacks: &mut group.counts.fallbacks,
         };
-        let filled = row_mask::fill::<L, W, P, E>(lines, lane, &mut pair, &mut group.masks[lane]);
-        group.relevant[lane] += filled.relevant as u32;
-        group.counts.pairs_relevant += filled.relevant as u64;
-        if filled.full {
-            group.active &= !(1 << lane);
-        }
+        let relevant = row_mask::fill::<L, W, P, E>(lines, lane, &mut pair, &mut group.masks[lane]);
+        group.relevant[lane] += relevant as u32;
+        group.counts.pairs_relevant += relevant as u64;
+        group.touched |= (relevant as u32) << lane;
     }
 }

@@ -23,13 +23,6 @@ macro_rules! intrinsics {
 
 const HALF: usize = TILE / 2;
 
-impl Avx2 {
-    #[inline(always)]
-    fn both_halves(self, other: Self, f: impl Fn(__m256, __m256) -> __m256) -> Self {
-        Self(f(self.0, other.0), f(self.1, other.1))
-    }
-}
-
 impl Lanes for Avx2 {
     const WIDTH: usize = TILE;
     const ROUNDOFF: f32 = f32::EPSILON / 2.0;
@@ -85,31 +78,37 @@ impl Lanes for Avx2 {
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        self.both_halves(other, |a, b| intrinsics!(_mm256_add_ps(a, b)))
+        intrinsics!(Self(_mm256_add_ps(self.0, other.0), _mm256_add_ps(self.1, other.1)))
     }
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        self.both_halves(other, |a, b| intrinsics!(_mm256_sub_ps(a, b)))
+        intrinsics!(Self(_mm256_sub_ps(self.0, other.0), _mm256_sub_ps(self.1, other.1)))
     }
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        self.both_halves(other, |a, b| intrinsics!(_mm256_mul_ps(a, b)))
+        intrinsics!(Self(_mm256_mul_ps(self.0, other.0), _mm256_mul_ps(self.1, other.1)))
     }
     #[inline(always)]
     fn recip(self) -> Self {
-        self.both_halves(self, |a, _| intrinsics!(_mm256_div_ps(_mm256_set1_ps(1.0), a)))
+        intrinsics!({
+            let one = _mm256_set1_ps(1.0);
+            Self(_mm256_div_ps(one, self.0), _mm256_div_ps(one, self.1))
+        })
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        self.both_halves(self, |a, _| intrinsics!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), a)))
+        intrinsics!({
+            let sign = _mm256_set1_ps(-0.0);
+            Self(_mm256_andnot_ps(sign, self.0), _mm256_andnot_ps(sign, self.1))
+        })
     }
     #[inline(always)]
     fn min(self, other: Self) -> Self {
-        self.both_halves(other, |a, b| intrinsics!(_mm256_min_ps(a, b)))
+        intrinsics!(Self(_mm256_min_ps(self.0, other.0), _mm256_min_ps(self.1, other.1)))
     }
     #[inline(always)]
     fn max(self, other: Self) -> Self {
-        self.both_halves(other, |a, b| intrinsics!(_mm256_max_ps(a, b)))
+        intrinsics!(Self(_mm256_max_ps(self.0, other.0), _mm256_max_ps(self.1, other.1)))
     }
     #[inline(always)]
     fn ge(self, other: Self) -> Pair {
@@ -146,8 +145,18 @@ impl Lanes for Avx2 {
         intrinsics!(Pair(_mm256_cvtps_epi32(_mm256_floor_ps(self.0)), _mm256_cvtps_epi32(_mm256_floor_ps(self.1))))
     }
     #[inline(always)]
+    fn near_integer(self, by: Self) -> u32 {
+        const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
+        let nearest = intrinsics!(Self(_mm256_round_ps::<NEAREST>(self.0), _mm256_round_ps::<NEAREST>(self.1)));
+        Self::bits(by.ge(self.sub(nearest).abs()))
+    }
+    #[inline(always)]
     fn differ(a: Pair, b: Pair) -> u32 {
         let same = intrinsics!(Pair(_mm256_cmpeq_epi32(a.0, b.0), _mm256_cmpeq_epi32(a.1, b.1)));
         !Self::bits(same) & 0xffff
+    }
+    #[inline(always)]
+    fn less(a: Pair, b: Pair) -> u32 {
+        Self::bits(intrinsics!(Pair(_mm256_cmpgt_epi32(b.0, a.0), _mm256_cmpgt_epi32(b.1, a.1))))
     }
 }

@@ -112,7 +112,18 @@ impl Lanes for Avx512 {
         intrinsics!(_mm512_cvt_roundps_epi32::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(self.0))
     }
     #[inline(always)]
+    fn near_integer(self, by: Self) -> u32 {
+        intrinsics!({
+            let rest = _mm512_abs_ps(_mm512_reduce_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(self.0));
+            u32::from(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(rest, by.0))
+        })
+    }
+    #[inline(always)]
     fn differ(a: __m512i, b: __m512i) -> u32 {
         intrinsics!(u32::from(_mm512_cmpneq_epi32_mask(a, b)))
+    }
+    #[inline(always)]
+    fn less(a: __m512i, b: __m512i) -> u32 {
+        intrinsics!(u32::from(_mm512_cmplt_epi32_mask(a, b)))
     }
 }
