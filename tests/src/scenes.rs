@@ -33,8 +33,8 @@ pub const GENERATORS: [(&str, Generator); 12] = [
 /// Exponents of the lattice step that scenes are tried with; all give the same bits.
 pub const EXPONENTS: [i32; 5] = [0, 25, -40, 100, -98];
 
-/// Receivers a scene.
-const RECEIVERS: usize = 48;
+/// Receivers of a scene, at most.
+const RECEIVERS: usize = 90;
 
 /// Sample grids whose rows are as long as a word of `bits` makes interesting.
 pub fn grid(rng: &mut Rng, bits: u32) -> (u32, u32) {
@@ -128,7 +128,8 @@ fn receiver(rng: &mut Rng, light: &LatticeLight, mesh: &Mesh, center: IVec3, ext
 
 /// Receivers for a mesh; most of those that fall behind the light are drawn again.
 fn receivers(rng: &mut Rng, light: &LatticeLight, mesh: &Mesh, center: IVec3, extent: i32) -> Vec<IVec3> {
-    (0..RECEIVERS)
+    // Any number, since executors work in groups.
+    (0..1 + rng.below(RECEIVERS))
         .map(|_| {
             let mut p = receiver(rng, light, mesh, center, extent);
             for _ in 0..6 {
@@ -327,14 +328,16 @@ pub fn interior(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
     finish(rng, light, mesh, IVec3::ZERO, size)
 }
 
-/// Some hundreds of small triangles, in clusters: what an index has to sort.
+/// Hundreds or thousands of small triangles, in clusters: what an index has to sort.
 pub fn crowd(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
     let extent = 1 << (18 + rng.below(9));
     let light = light(rng, rows, columns, IVec3::ZERO, extent / 2);
     let mut mesh = Mesh::default();
+    // Now and then so many that a hierarchy of sixteens has four levels.
+    let many = if rng.one_in(6) { 20 } else { 1 };
     for _ in 0..1 + rng.below(5) {
         let (cluster, spread) = (rng.point(extent), extent >> (1 + rng.below(4)));
-        for _ in 0..40 + rng.below(80) {
+        for _ in 0..(40 + rng.below(80)) * many {
             let at = cluster + rng.point(spread);
             mesh.add_triangle([0; 3].map(|_| clamp(at + rng.point(spread / 8))));
         }

@@ -2,8 +2,16 @@
 //!
 //! A further executor is one line: implement [`Subject`] and name it in [`conformance_suite!`](crate::conformance_suite).
 
-use umbra4_core::MaskWord;
-use umbra4_cpu::{CpuExecutor, Index};
+use bytemuck::Zeroable;
+use umbra4_core::{
+    Exact, Lift, MaskWord, Plan, SceneFacts,
+    edge_plane::Occluder,
+    lattice::SnapParams,
+    order::Entry,
+    proj4::{KeyTile, NOTHING},
+    serial::{Buffers, Serial},
+};
+use umbra4_cpu::{CpuExecutor, Isa};
 
 use crate::{
     compare::{Amount, Compared, Mismatch, bits_of, compare_masks, compare_visibility, lit_counts},
@@ -38,10 +46,19 @@ pub struct Cpu {
 }
 
 impl Cpu {
-    /// On `threads` threads, with the given index.
-    pub fn new(threads: usize, index: Index) -> Self {
-        let executor = CpuExecutor::new().with_index(index).with_threads(threads).expect("threads can be started");
-        Self { executor, name: format!("cpu, {threads} threads, {index:?}") }
+    /// On `threads` threads, with the given instruction set.
+    pub fn new(threads: usize, isa: Isa) -> Self {
+        let executor = CpuExecutor::new().with_isa(isa).with_threads(threads).expect("threads can be started");
+        assert_eq!(executor.isa(), isa, "the processor has the instruction set that is tested");
+        Self { executor, name: format!("cpu, {threads} threads, {isa}") }
+    }
+}
+
+impl Cpu {
+    /// As [`Cpu::new`], with the widest instruction set but `place` that this processor has; portable code where it has
+    /// no more.
+    pub fn nth_isa(threads: usize, place: usize) -> Self {
+        Self::new(threads, Isa::available().get(place).copied().unwrap_or(Isa::Portable))
     }
 }
 
@@ -64,6 +81,64 @@ impl Subject for Cpu {
             .visibility(&inputs.occluders, &inputs.light, &inputs.receivers)
             .map_err(|error| error.to_string())?;
         Ok(visibility)
+    }
+}
+
+/// The serial reference executor of core, its buffers allocated here.
+#[derive(Clone, Copy, Debug)]
+pub struct SerialSubject {
+    /// Receivers worked on at once.
+    pub block: u32,
+}
+
+impl SerialSubject {
+    fn run<W: MaskWord>(self, inputs: &Inputs, visibility: bool) -> Result<(Vec<W>, Vec<f32>), String> {
+        let (triangles, points) = (inputs.occluders.triangles(), inputs.receivers.points());
+        let plan = Plan::new(SceneFacts {
+            new_vertices: 0,
+            triangles: triangles.len() as u32,
+            receivers: points.len() as u32,
+            world_receivers: false,
+            visibility,
+            block: self.block,
+        });
+        let mut masks = vec![W::EMPTY; points.len() * inputs.light.rows as usize];
+        let mut fractions = vec![f32::NAN; if visibility { points.len() } else { 0 }];
+        let buffers = Buffers {
+            world_vertices: &[],
+            vertices: &mut inputs.occluders.vertices().to_vec(),
+            triangles,
+            triangle_keys: &mut vec![NOTHING; triangles.len()],
+            triangle_order: &mut vec![Entry::zeroed(); triangles.len()],
+            occluders: &mut vec![Occluder::zeroed(); triangles.len()],
+            nodes: &mut vec![KeyTile::NOTHING; plan.levels().tiles()],
+            world_receivers: &[],
+            normals: &[],
+            receivers: &mut points.to_vec(),
+            receiver_keys: &mut vec![NOTHING; points.len()],
+            receiver_order: &mut vec![Entry::zeroed(); points.len()],
+            masks: &mut masks,
+            visibility: &mut fractions,
+        };
+        // Nothing is snapped in this run.
+        let snap = SnapParams { scale: f32::NAN };
+        let mut serial = Serial::<W, Exact>::new(&plan, inputs.light, snap, Lift::NONE, buffers);
+        plan.run(&mut serial).map_err(|error| error.to_string())?;
+        Ok((masks, fractions))
+    }
+}
+
+impl Subject for SerialSubject {
+    fn name(&self) -> String {
+        format!("serial, blocks of {}", self.block)
+    }
+
+    fn masks<W: MaskWord>(&self, inputs: &Inputs) -> Result<Vec<W>, String> {
+        Ok(self.run::<W>(inputs, false)?.0)
+    }
+
+    fn visibility(&self, inputs: &Inputs) -> Result<Vec<f32>, String> {
+        Ok(self.run::<u64>(inputs, true)?.1)
     }
 }
 
