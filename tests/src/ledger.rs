@@ -63,18 +63,16 @@ impl Ledger {
         if totals.finished < self.tests {
             return;
         }
-        let (mut bits, mut blocked) = (0, 0);
-        for (subject, compared) in &totals.by_subject {
-            say(&format!("{subject}: bits compared: {}, differing: 0", compared.bits));
-            bits += compared.bits;
-            blocked += compared.blocked;
-        }
+        let by_subject = totals.by_subject.clone();
         drop(totals);
-        let share = 100.0 * blocked as f64 / bits.max(1) as f64;
-        say(&format!(
-            "bits compared: {bits}, differing: 0 ({} tests; {share:.1} % of the bits are blocked)",
-            self.tests
-        ));
+        let bits: u64 = by_subject.values().map(|compared| compared.bits).sum();
+        let blocked: u64 = by_subject.values().map(|compared| compared.blocked).sum();
         assert!(bits >= self.least, "only {bits} bits were compared, {} were asked for", self.least);
+        for (subject, compared) in &by_subject {
+            say(&format!("{subject}: bits compared: {}, differing: 0", compared.bits));
+        }
+        let share = 100.0 * blocked as f64 / bits.max(1) as f64;
+        let tests = self.tests;
+        say(&format!("bits compared: {bits}, differing: 0 ({tests} tests; {share:.1} % of the bits are blocked)"));
     }
 }
