@@ -1,1 +1,24 @@
-//! Oracles, scene generators, the hard-case catalogue, the conformance suite.
+//! What holds umbra4 to its word: oracles, comparators, scene generators, the hard-case catalogue and the conformance
+//! suite that every executor instantiates.
+//!
+//! | file | answers |
+//! |---|---|
+//! | [`oracle`] | the masks on the lattice, in `i128`, by brute force |
+//! | [`bigint`] | the same rule in big integers: checks the oracle |
+//! | [`second_oracle`] | the masks on the unsnapped world coordinates, exactly: checks the snap |
+//! | [`compare`] | are two results the same bits? |
+//! | [`scene`], [`scenes`], [`meshes`] | scenes in lattice integers, deterministic from a seed |
+//! | [`hard_cases`] | the named cases, each with what must hold beyond equality with the oracle |
+//! | [`suite`], [`ledger`] | one suite, instantiated per word width and executor, and its totals |
+
+pub mod bigint;
+pub mod compare;
+pub mod hard_cases;
+pub mod ledger;
+pub mod meshes;
+pub mod oracle;
+pub mod rng;
+pub mod scene;
+pub mod scenes;
+pub mod second_oracle;
+pub mod suite;
