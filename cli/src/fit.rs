@@ -19,7 +19,7 @@ const CAMERA_SIDE: DVec3 = DVec3::new(0.55, 0.5, 1.0);
 /// From the model's middle towards the fitted light.
 const LIGHT_SIDE: DVec3 = DVec3::new(-0.55, 1.0, 0.45);
 /// Half the ground's width, in diagonals of the model.
-const GROUND: f64 = 6.0;
+pub const GROUND: f64 = 6.0;
 
 /// Length of the diagonal of `bounds`, never zero.
 pub fn diagonal(bounds: Bounds) -> f64 {
@@ -53,7 +53,8 @@ pub fn light(bounds: Bounds, size: f64, distance: f64) -> LightShape {
 /// A level square under `bounds`, as wide as the light's and the camera's surroundings.
 pub fn ground(bounds: Bounds) -> Model {
     let (center, half) = (bounds.center(), GROUND * diagonal(bounds));
-    let corner = |x: f64, z: f64| Vec3::new((center.x + x * half) as f32, bounds.min.y as f32, (center.z + z * half) as f32);
+    let corner =
+        |x: f64, z: f64| Vec3::new((center.x + x * half) as f32, bounds.min.y as f32, (center.z + z * half) as f32);
     Model {
         vertices: vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)],
         triangles: vec![[0, 1, 2], [0, 2, 3]],

@@ -2,8 +2,19 @@
 //!
 //! Shadows themselves come from `umbra4-core` (the arithmetic) and `umbra4-cpu` (the threads).
 
+pub mod args;
 pub mod array_file;
+pub mod bounds;
+pub mod builtin;
+pub mod camera;
+pub mod commands;
+pub mod error;
+pub mod fit;
 pub mod in_file;
 pub mod light_file;
 pub mod model;
 pub mod output;
+pub mod picture;
+pub mod primary;
+pub mod shade;
+pub mod stages;

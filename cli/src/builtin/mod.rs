@@ -35,6 +35,11 @@ pub struct BuiltinScene {
 pub const FOV: f64 = 30.0;
 
 impl BuiltinScene {
+    /// The middle of the court.
+    pub const FOCUS: DVec3 = DVec3::new(0.35, 1.0, 0.0);
+    /// Distance from the middle at which the plain has faded into the backdrop.
+    pub const FADE: f64 = 30.0;
+
     /// Builds the scene.
     pub fn new() -> Self {
         let mut builder = Builder::default();

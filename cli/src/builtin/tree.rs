@@ -9,7 +9,12 @@ const BARK: [f32; 3] = [0.22, 0.15, 0.10];
 pub(super) fn build(builder: &mut Builder) {
     let mut random = Random(5);
     let mut twigs = Vec::new();
-    let trunk = Branch { from: DVec3::new(3.6, -0.05, -3.9), direction: DVec3::new(0.05, 1.0, 0.06), length: 1.55, radius: 0.17 };
+    let trunk = Branch {
+        from: DVec3::new(3.6, -0.05, -3.9),
+        direction: DVec3::new(0.05, 1.0, 0.06),
+        length: 1.55,
+        radius: 0.17,
+    };
     builder.color(BARK[0], BARK[1], BARK[2]);
     trunk.grow(builder, &mut random, 6, &mut twigs);
     for (tip, direction) in twigs {
