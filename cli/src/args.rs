@@ -50,6 +50,9 @@ pub struct RenderArgs {
     /// Height of the picture
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=32768))]
     pub height: Option<u32>,
+    /// Receivers each way in every pixel of the picture: smooths edges
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub oversample: u32,
     /// Where the camera stands [default: fitted to the model]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub camera_from: Option<DVec3>,
@@ -168,6 +171,7 @@ impl RenderArgs {
             size: (512, 512),
             width: None,
             height: None,
+            oversample: 1,
             camera_from: None,
             camera_to: None,
             fov: None,

@@ -45,7 +45,7 @@ pub fn light(bounds: Bounds, size: f64, distance: f64) -> LightShape {
     let u = towards.cross(DVec3::Y).normalize();
     let v = u.cross(towards);
     // edge_u × edge_v must point back at the model.
-    let (edge_u, edge_v) = (v * (size * unit), u * (size * unit));
+    let (edge_u, edge_v) = (u * (size * unit), v * (size * unit));
     let corner = bounds.center() + towards * (distance * unit) - (edge_u + edge_v) * 0.5;
     LightShape { corner: corner.to_array(), edge_u: edge_u.to_array(), edge_v: edge_v.to_array() }
 }

@@ -68,6 +68,19 @@ impl Picture {
         write_whole(path, |writer| Ok(image.write_to(writer, format)?))
     }
 
+    /// The picture at `1/factor` of its size: every pixel the mean of `factor` × `factor`.
+    #[must_use]
+    pub fn reduced(&self, factor: u32) -> Self {
+        let factor = factor.max(1);
+        let (width, height) = (self.width / factor, self.height / factor);
+        let mean = |i: u32| {
+            let (x, y) = (i % width * factor, i / width * factor);
+            let at = |k: u32| (y + k / factor) as usize * self.width as usize + (x + k % factor) as usize;
+            (0..factor * factor).map(|k| self.pixels[at(k)]).sum::<Vec3>() / (factor * factor) as f32
+        };
+        Self { width, height, pixels: (0..width * height).map(mean).collect(), meaning: self.meaning }
+    }
+
     fn linear(&self) -> DynamicImage {
         let mut image = Rgb32FImage::new(self.width, self.height);
         for (out, pixel) in image.pixels_mut().zip(&self.pixels) {
@@ -108,6 +121,14 @@ mod tests {
         let pixels = vec![Vec3::ZERO, Vec3::splat(0.5), Vec3::ONE, Vec3::new(1.0, 0.0, 0.2)];
         let picture = Picture { width: 2, height: 2, pixels, meaning: Meaning::Data };
         assert_eq!(picture.encoded().into_rgb8().into_raw(), [0, 0, 0, 128, 128, 128, 255, 255, 255, 255, 0, 51]);
+    }
+
+    #[test]
+    fn reduction_takes_means() {
+        let pixels = (0..8).map(|i| Vec3::splat(i as f32)).collect();
+        let picture = Picture { width: 4, height: 2, pixels, meaning: Meaning::Data };
+        assert_eq!(picture.reduced(2).pixels, [Vec3::splat(2.5), Vec3::splat(4.5)]);
+        assert_eq!(picture.reduced(1), picture);
     }
 
     #[test]

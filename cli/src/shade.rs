@@ -14,7 +14,7 @@ use crate::{
 /// Colour of surfaces that come without.
 const PLAIN: Vec3 = Vec3::new(0.62, 0.61, 0.59);
 /// What is seen where nothing is.
-const BACKDROP: Vec3 = Vec3::new(0.60, 0.63, 0.67);
+const BACKDROP: Vec3 = Vec3::new(0.66, 0.68, 0.70);
 /// Light of the sky, from above, and what the ground sends back, from below.
 const SKY: Vec3 = Vec3::new(0.125, 0.150, 0.190);
 const BOUNCE: Vec3 = Vec3::new(0.070, 0.060, 0.050);
@@ -100,7 +100,7 @@ fn picture(seen: &GBuffer, pixels: Vec<Vec3>, meaning: Meaning) -> Picture {
 
 /// 0 near by, 1 far away, smooth between.
 fn fade(distance: f64) -> f32 {
-    let t = (distance * 1.6 - 0.6).clamp(0.0, 1.0) as f32;
+    let t = (distance * 1.8 - 0.8).clamp(0.0, 1.0) as f32;
     t * t * (3.0 - 2.0 * t)
 }
 

@@ -5,7 +5,7 @@ use umbra4_core::glam::DVec3;
 use super::builder::Builder;
 
 const COLUMNS: usize = 5;
-const SPACING: f64 = 2.0;
+const SPACING: f64 = 1.9;
 const PLINTH: f64 = 0.22;
 const SHAFT: f64 = 3.4;
 const RADIUS: f64 = 0.36;
@@ -16,7 +16,7 @@ const RINGS: usize = 18;
 
 pub(super) fn build(builder: &mut Builder) {
     builder.color(0.74, 0.70, 0.63);
-    let foot = |i: usize| DVec3::new(-3.9, 0.0, -6.0 + SPACING * i as f64);
+    let foot = |i: usize| DVec3::new(-3.7, 0.0, -7.2 + SPACING * i as f64);
     (0..COLUMNS).for_each(|i| column(builder, foot(i)));
     entablature(builder, foot(0), foot(COLUMNS - 1));
 }

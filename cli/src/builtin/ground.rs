@@ -14,7 +14,7 @@ const JOINT: f64 = 0.025;
 const DEPTH: f64 = 0.05;
 
 pub(super) fn build(builder: &mut Builder) {
-    builder.color(0.46, 0.45, 0.43);
+    builder.color(0.58, 0.575, 0.56);
     let corners = [(-PLAIN, -PLAIN), (-PLAIN, PLAIN), (PLAIN, PLAIN), (PLAIN, -PLAIN)];
     let plain = corners.map(|(x, z)| builder.vertex(DVec3::new(x, -DEPTH, z)));
     builder.quad(plain);

@@ -38,7 +38,7 @@ impl BuiltinScene {
     /// The middle of the court.
     pub const FOCUS: DVec3 = DVec3::new(0.35, 1.0, 0.0);
     /// Distance from the middle at which the plain has faded into the backdrop.
-    pub const FADE: f64 = 30.0;
+    pub const FADE: f64 = 19.0;
 
     /// Builds the scene.
     pub fn new() -> Self {
@@ -58,8 +58,8 @@ impl BuiltinScene {
     /// # Errors
     /// As [`Camera::new`].
     pub fn camera(from: Option<DVec3>, to: Option<DVec3>, fov: Option<f64>) -> Result<Camera, CameraError> {
-        let from = from.unwrap_or(DVec3::new(1.6, 6.4, 17.5));
-        Camera::new(from, to.unwrap_or(DVec3::new(0.35, 1.75, 0.0)), fov.unwrap_or(FOV))
+        let from = from.unwrap_or(DVec3::new(2.2, 6.9, 17.8));
+        Camera::new(from, to.unwrap_or(DVec3::new(0.1, 1.55, 0.0)), fov.unwrap_or(FOV))
     }
 }
 
@@ -69,11 +69,11 @@ impl Default for BuiltinScene {
     }
 }
 
-/// A window of 3 m × 3 m, up on the left, that faces the middle of the court.
+/// A window of 2.6 m × 2.6 m, up on the left, that faces the middle of the court.
 fn light() -> LightShape {
-    let (center, target) = (DVec3::new(-9.5, 10.5, 3.5), DVec3::new(0.5, 0.5, -0.5));
+    let (center, target) = (DVec3::new(-7.6, 11.2, 3.6), DVec3::new(0.8, 0.3, 0.2));
     let towards = (target - center).normalize();
-    let u = towards.cross(DVec3::Y).normalize() * 3.0;
+    let u = towards.cross(DVec3::Y).normalize() * 2.6;
     let v = towards.cross(u);
     let corner = center - (u + v) * 0.5;
     LightShape { corner: corner.to_array(), edge_u: u.to_array(), edge_v: v.to_array() }

@@ -4,7 +4,7 @@ use umbra4_core::glam::DVec3;
 
 use super::builder::Builder;
 
-pub(super) const CENTER: DVec3 = DVec3::new(2.1, 0.0, 0.95);
+pub(super) const CENTER: DVec3 = DVec3::new(1.3, 0.0, 0.8);
 pub(super) const STEPS: usize = 4;
 pub(super) const RISE: f64 = 0.16;
 const TREAD: f64 = 0.26;

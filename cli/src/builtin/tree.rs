@@ -18,7 +18,7 @@ pub(super) fn build(builder: &mut Builder) {
     builder.color(BARK[0], BARK[1], BARK[2]);
     trunk.grow(builder, &mut random, 6, &mut twigs);
     for (tip, direction) in twigs {
-        for _ in 0..18 {
+        for _ in 0..17 {
             let at = tip + random.direction() * random.between(0.05, 0.34) - direction * random.between(0.0, 0.25);
             leaf(builder, &mut random, at, 0.125);
         }
@@ -49,10 +49,10 @@ impl Branch {
             direction = (direction + random.direction() * 0.13 + DVec3::Y * 0.06).normalize();
             let to = at + direction * (self.length / 3.0);
             let radius = |t: i32| self.radius + (thin - self.radius) * f64::from(t) / 3.0;
-            builder.tube(at, to, (radius(piece), radius(piece + 1)), if depth > 3 { 12 } else { 6 });
+            builder.tube(at, to, (radius(piece), radius(piece + 1)), [4, 4, 5, 6, 12, 12, 12][depth as usize % 7]);
             at = to;
         }
-        if depth <= 2 {
+        if depth <= 1 {
             twigs.push((at, direction));
         }
         if depth == 0 {

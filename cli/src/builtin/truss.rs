@@ -36,13 +36,13 @@ pub(super) fn build(builder: &mut Builder) {
 fn center(t: f64) -> DVec3 {
     let angle = PI * t;
     let (across, up) = (-SPAN * angle.cos(), RISE * angle.sin());
-    DVec3::new(2.3 + across * 0.94, up, 0.9 - across * 0.34)
+    DVec3::new(1.3 + across * 0.8, up, 0.8 + across * 0.6)
 }
 
 /// The three chords' points at `t` in 0..=1.
 fn section(t: f64) -> [DVec3; 3] {
     let along = (center((t + 1e-3).min(1.0)) - center((t - 1e-3).max(0.0))).normalize();
-    let side = along.cross(DVec3::new(0.34, 0.0, 0.94)).normalize();
+    let side = along.cross(DVec3::new(-0.6, 0.0, 0.8)).normalize();
     let out = side.cross(along);
     // Slimmer at the feet.
     let depth = DEPTH * (0.45 + 0.55 * (PI * t).sin());

@@ -39,10 +39,12 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     let format = PictureFormat::of(&args.output)?;
     let executor = super::executor(&args.work)?;
     let (width, height) = args.pixels();
+    let fine = |pixels: u32| pixels * args.oversample;
     let mut stages = Stages::new(STAGES);
 
     let scene = stages.run("load", || load(args))?;
-    let seen = stages.run("primary", || primary::visible_surfaces(&scene.model, &scene.camera, width, height));
+    let seen =
+        stages.run("primary", || primary::visible_surfaces(&scene.model, &scene.camera, fine(width), fine(height)));
     let (occluders, light, receivers) = stages.run("snap", || -> Result<_, ProgramError> {
         let bounds = scene.model.bounds().union(Bounds::of(scene.light.corners()));
         let lattice = Lattice::covering(bounds)?;
@@ -76,7 +78,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
         View::Penumbra => shade::penumbra(&seen, &visibility),
         View::Pairs => shade::pairs(&seen, &pairs),
     });
-    stages.run("write", || picture.write(&args.output, format))?;
+    stages.run("write", || picture.reduced(args.oversample).write(&args.output, format))?;
 
     let counts = statistics.counts;
     let mut out = stdout().lock();
