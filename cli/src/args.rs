@@ -62,7 +62,7 @@ pub struct RenderArgs {
     /// Vertical angle of view, degrees
     #[arg(long, value_name = "DEGREES")]
     pub fov: Option<f64>,
-    /// Light: {"corner":[x,y,z],"edge_u":[x,y,z],"edge_v":[x,y,z]}, shines towards edge_u × edge_v [default: fitted]
+    /// Light: JSON with corner, edge_u and edge_v, three numbers each; shines towards edge_u × edge_v [default: fitted]
     #[arg(long, value_name = "LIGHT.json")]
     pub light: Option<PathBuf>,
     /// Edge of the fitted light, in diagonals of the model's box [default: 0.25]
@@ -88,7 +88,7 @@ pub struct MasksArgs {
     /// Model: .obj, .ply, .ply.gz, .gltf, .glb, or .npy of float32 (T, 3, 3)
     #[arg(long, value_name = "FILE")]
     pub model: PathBuf,
-    /// Light: {"corner":[x,y,z],"edge_u":[x,y,z],"edge_v":[x,y,z]}, shines towards edge_u × edge_v
+    /// Light: JSON with corner, edge_u and edge_v, three numbers each; shines towards edge_u × edge_v
     #[arg(long, value_name = "LIGHT.json")]
     pub light: PathBuf,
     /// Receivers: .npy of float32 (R, 3), taken as they are

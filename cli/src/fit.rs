@@ -19,7 +19,9 @@ const CAMERA_SIDE: DVec3 = DVec3::new(0.55, 0.5, 1.0);
 /// From the model's middle towards the fitted light.
 const LIGHT_SIDE: DVec3 = DVec3::new(-0.55, 1.0, 0.45);
 /// Half the ground's width, in diagonals of the model.
-pub const GROUND: f64 = 6.0;
+const GROUND: f64 = 6.0;
+/// Distance from the model's middle at which the ground has faded into the backdrop, in diagonals of the model.
+pub const FADE: f64 = 2.8;
 
 /// Length of the diagonal of `bounds`, never zero.
 pub fn diagonal(bounds: Bounds) -> f64 {

@@ -124,6 +124,6 @@ fn load(args: &RenderArgs) -> Result<Scene, ProgramError> {
     if !args.no_ground {
         model.append(&fit::ground(bounds));
     }
-    let fade = fit::GROUND * fit::diagonal(bounds);
+    let fade = fit::FADE * fit::diagonal(bounds);
     Ok(Scene { model, colors: Vec::new(), camera, light, focus: bounds.center(), fade })
 }
