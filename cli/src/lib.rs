@@ -1,6 +1,7 @@
 //! The program `umbra4`, as a library: models and lights from files, a camera, primary visibility, pictures.
 //!
 //! Shadows themselves come from `umbra4-core` (the arithmetic) and `umbra4-cpu` (the threads).
+#![cfg_attr(test, allow(clippy::unwrap_used))] // in a test, a panic is the message
 
 pub mod args;
 pub mod array_file;

@@ -1,4 +1,5 @@
 //! Every error: exit code 2, one line, no file left.
+#![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
 mod common;
 

@@ -1,4 +1,5 @@
 //! `umbra4 masks` against brute force in i128, on nothing but the integers that the program itself hands out.
+#![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
 mod common;
 

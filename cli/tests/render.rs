@@ -1,4 +1,5 @@
 //! `umbra4 render` and the program without arguments, at sizes that take no time.
+#![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
 mod common;
 
