@@ -34,6 +34,14 @@ pub enum ProgramError {
     Executor(#[from] ExecutorError),
     /// Standard output is closed.
     Stdout(#[from] io::Error),
+    /// A picture that would not fit the memory of most machines.
+    #[error("{pixels} receivers are too many for one picture: at most {most}")]
+    TooManyPixels {
+        /// Pixels, times what each is oversampled.
+        pixels: u64,
+        /// How many can be.
+        most: u64,
+    },
     /// A number of threads that the system does not give.
     #[error("cannot start {threads} threads: {reason}")]
     Threads {

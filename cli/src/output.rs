@@ -3,10 +3,10 @@
 use std::{
     fs::File,
     io::{self, BufWriter, Write},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempPath};
 
 use crate::in_file::InFile;
 
@@ -33,15 +33,43 @@ pub fn write_whole(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<File>) -> Result<(), OutputError>,
 ) -> Result<(), InFile<OutputError>> {
-    let whole = || -> Result<(), OutputError> {
+    prepare(path, write)?.publish()
+}
+
+/// A file that is complete but has not got its name yet. Dropped, it is gone.
+#[derive(Debug)]
+pub struct Prepared {
+    path: PathBuf,
+    temporary: TempPath,
+}
+
+impl Prepared {
+    /// Gives the file its name.
+    ///
+    /// # Errors
+    /// The system's.
+    pub fn publish(self) -> Result<(), InFile<OutputError>> {
+        let Self { path, temporary } = self;
+        temporary.persist(&path).map_err(|e| InFile::at(&path)(e.error.into()))
+    }
+}
+
+/// Lets `write` fill a file beside `path`: where several files belong together, all are prepared before any appears.
+///
+/// # Errors
+/// The system's, or those of `write`.
+pub fn prepare(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), OutputError>,
+) -> Result<Prepared, InFile<OutputError>> {
+    let whole = || -> Result<Prepared, OutputError> {
         let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let (file, temporary) = NamedTempFile::new_in(folder)?.into_parts();
         let mut writer = BufWriter::new(file);
         write(&mut writer)?;
         writer.flush()?;
         make_readable(writer.get_ref())?;
-        temporary.persist(path).map_err(|e| e.error)?;
-        Ok(())
+        Ok(Prepared { path: path.to_owned(), temporary })
     };
     whole().map_err(InFile::at(path))
 }

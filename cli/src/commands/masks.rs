@@ -10,7 +10,12 @@ use umbra4_core::{LatticeLight, Lift, MaskWord, glam::IVec3};
 use umbra4_cpu::{CpuExecutor, Occluders, Receivers, Statistics};
 
 use crate::{
-    args::MasksArgs, array_file, bounds::lattice_around, error::ProgramError, light_file, model, output::write_whole,
+    args::MasksArgs,
+    array_file,
+    bounds::lattice_around,
+    error::ProgramError,
+    light_file, model,
+    output::{Prepared, prepare},
 };
 
 pub(super) fn run(args: &MasksArgs) -> Result<(), ProgramError> {
@@ -25,14 +30,14 @@ pub(super) fn run(args: &MasksArgs) -> Result<(), ProgramError> {
     let receivers = Receivers::raw_f64(&lattice, &points)?;
 
     let scene = (&occluders, &light, &receivers);
-    let statistics = match args.samples {
+    let (masks, statistics) = match args.samples {
         0..=16 => write_masks::<u16>(&executor, scene, &args.output),
         17..=32 => write_masks::<u32>(&executor, scene, &args.output),
         _ => write_masks::<u64>(&executor, scene, &args.output),
     }?;
-    if let Some(path) = &args.lattice_out {
-        write_lattice(scene, path)?;
-    }
+    let lattice = args.lattice_out.as_deref().map(|path| write_lattice(scene, path)).transpose()?;
+    masks.publish()?;
+    lattice.map(Prepared::publish).transpose()?;
     if args.stats {
         writeln!(stdout().lock(), "{}", statistics_json(&statistics))?;
     }
@@ -45,14 +50,15 @@ fn write_masks<W: MaskWord + npyz::AutoSerialize>(
     executor: &CpuExecutor,
     (occluders, light, receivers): Scene<'_>,
     path: &Path,
-) -> Result<Statistics, ProgramError> {
+) -> Result<(Prepared, Statistics), ProgramError> {
     let (masks, statistics) = executor.masks::<W>(occluders, light, receivers)?;
     let shape = [receivers.len() as u64, u64::from(light.rows)];
-    write_whole(path, |writer| Ok(array_file::write_array(writer, &shape, masks.words().iter().copied())?))?;
-    Ok(statistics)
+    let words = masks.words().iter().copied();
+    let prepared = prepare(path, |writer| Ok(array_file::write_array(writer, &shape, words)?))?;
+    Ok((prepared, statistics))
 }
 
-fn write_lattice((occluders, light, receivers): Scene<'_>, path: &Path) -> Result<(), ProgramError> {
+fn write_lattice((occluders, light, receivers): Scene<'_>, path: &Path) -> Result<Prepared, ProgramError> {
     let corners: Vec<IVec3> = (0..occluders.triangles().len()).filter_map(|t| occluders.corners(t)).flatten().collect();
     let counts = [receivers.len() as u64, occluders.triangles().len() as u64];
     let arrays: [(&str, &[u64], &[IVec3]); 5] = [
@@ -62,7 +68,7 @@ fn write_lattice((occluders, light, receivers): Scene<'_>, path: &Path) -> Resul
         ("step_u", &[3], &[light.step_u]),
         ("step_v", &[3], &[light.step_v]),
     ];
-    Ok(write_whole(path, |writer| Ok(array_file::write_lattice_points(writer, &arrays)?))?)
+    Ok(prepare(path, |writer| Ok(array_file::write_lattice_points(writer, &arrays)?))?)
 }
 
 /// Seconds are those of index and masks: files and their parsing are not in them.

@@ -32,6 +32,7 @@ struct Scene {
 }
 
 const STAGES: u64 = 6;
+const MOST_PIXELS: u64 = 1 << 27;
 const LIGHT_SIZE: f64 = 0.25;
 const LIGHT_DISTANCE: f64 = 1.0;
 
@@ -40,6 +41,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     let executor = super::executor(&args.work)?;
     let (width, height) = args.pixels();
     let fine = |pixels: u32| pixels * args.oversample;
+    let pixels = u64::from(fine(width)) * u64::from(fine(height));
+    if pixels > MOST_PIXELS {
+        return Err(ProgramError::TooManyPixels { pixels, most: MOST_PIXELS });
+    }
     let mut stages = Stages::new(STAGES);
 
     let scene = stages.run("load", || load(args))?;
