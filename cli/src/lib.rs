@@ -1,1 +1,21 @@
-//! The program, as a library.
+//! The program `umbra4`, as a library: models and lights from files, a camera, primary visibility, pictures.
+//!
+//! Shadows themselves come from `umbra4-core` (the arithmetic) and `umbra4-cpu` (the threads).
+#![cfg_attr(test, allow(clippy::unwrap_used))] // in a test, a panic is the message
+
+pub mod args;
+pub mod array_file;
+pub mod bounds;
+pub mod builtin;
+pub mod camera;
+pub mod commands;
+pub mod error;
+pub mod fit;
+pub mod in_file;
+pub mod light_file;
+pub mod model;
+pub mod output;
+pub mod picture;
+pub mod primary;
+pub mod shade;
+pub mod stages;

@@ -1,0 +1,201 @@
+//! The command line.
+
+use std::path::PathBuf;
+
+use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
+use umbra4_core::glam::DVec3;
+use umbra4_cpu::Precision;
+
+/// Exact soft shadows of area lights. Without a command: renders a built-in scene to umbra4.png.
+#[derive(Debug, Parser)]
+#[command(version)]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+}
+
+/// What the program can do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a model with the exact soft shadows of one area light
+    Render(Box<RenderArgs>),
+    /// Write the occlusion mask of every receiver, one bit a light sample
+    Masks(MasksArgs),
+    /// Show what this machine offers and what would run
+    Info,
+}
+
+/// Options of `render`.
+#[derive(Clone, Debug, ClapArgs)]
+pub struct RenderArgs {
+    /// Model: .obj, .ply, .ply.gz, .gltf, .glb, or .npy of shape (T, 3, 3)
+    #[arg(required_unless_present = "builtin", conflicts_with = "builtin")]
+    pub model: Option<PathBuf>,
+    /// Render the built-in scene instead of a model
+    #[arg(long)]
+    pub builtin: bool,
+    /// Picture to write: .png (tone-mapped) or .exr (linear f32)
+    #[arg(short, long)]
+    pub output: PathBuf,
+    /// What to show of every pixel
+    #[arg(long, value_enum, default_value_t = View::Shaded)]
+    pub view: View,
+    /// Size of the picture, WIDTHxHEIGHT
+    #[arg(long, value_parser = size, default_value = "512x512", conflicts_with_all = ["width", "height"])]
+    pub size: (u32, u32),
+    /// Width of the picture
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=32768))]
+    pub width: Option<u32>,
+    /// Height of the picture
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=32768))]
+    pub height: Option<u32>,
+    /// Receivers each way in every pixel of the picture: smooths edges
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub oversample: u32,
+    /// Where the camera stands [default: fitted to the model]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub camera_from: Option<DVec3>,
+    /// What the camera looks at [default: the middle of the model]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    pub camera_to: Option<DVec3>,
+    /// Vertical angle of view, degrees
+    #[arg(long, value_name = "DEGREES")]
+    pub fov: Option<f64>,
+    /// Light: JSON with corner, edge_u and edge_v, three numbers each; shines towards edge_u × edge_v [default: fitted]
+    #[arg(long, value_name = "LIGHT.json")]
+    pub light: Option<PathBuf>,
+    /// Edge of the fitted light, in diagonals of the model's box [default: 0.25]
+    #[arg(long, conflicts_with = "light")]
+    pub light_size: Option<f64>,
+    /// Distance of the fitted light from the model's middle, in diagonals of the model's box [default: 1]
+    #[arg(long, conflicts_with = "light")]
+    pub light_distance: Option<f64>,
+    /// Light samples each way
+    #[arg(long, value_name = "N", default_value = "32", value_parser = ["8", "16", "32", "64"])]
+    pub samples: String,
+    /// Leave out the ground under the model
+    #[arg(long)]
+    pub no_ground: bool,
+    /// How the work is done
+    #[command(flatten)]
+    pub work: WorkArgs,
+}
+
+/// Options of `masks`.
+#[derive(Clone, Debug, ClapArgs)]
+pub struct MasksArgs {
+    /// Model: .obj, .ply, .ply.gz, .gltf, .glb, or .npy of float32 (T, 3, 3)
+    #[arg(long, value_name = "FILE")]
+    pub model: PathBuf,
+    /// Light: JSON with corner, edge_u and edge_v, three numbers each; shines towards edge_u × edge_v
+    #[arg(long, value_name = "LIGHT.json")]
+    pub light: PathBuf,
+    /// Receivers: .npy of float32 (R, 3), taken as they are
+    #[arg(long, value_name = "R.npy")]
+    pub receivers: PathBuf,
+    /// Light samples each way, 1 to 64
+    #[arg(long, value_name = "N")]
+    pub samples: u32,
+    /// Masks: uint16, uint32 or uint64 of shape (R, N), bit j of row i set where sample (i, j) is blocked
+    #[arg(short, long, value_name = "MASKS.npy")]
+    pub output: PathBuf,
+    /// Also write the integers on which the answer is exact: receivers, triangles, origin, step_u, step_v
+    #[arg(long, value_name = "L.npz")]
+    pub lattice_out: Option<PathBuf>,
+    /// Print counts and times as JSON
+    #[arg(long)]
+    pub stats: bool,
+    /// How the work is done
+    #[command(flatten)]
+    pub work: WorkArgs,
+}
+
+/// How the work is done.
+#[derive(Clone, Debug, Default, ClapArgs)]
+pub struct WorkArgs {
+    /// Certified bits, or plain f32
+    #[arg(long, value_enum, default_value_t = PrecisionArg::Exact)]
+    pub precision: PrecisionArg,
+    /// Threads [default: all]
+    #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+/// What a pixel shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum View {
+    /// The lit scene
+    #[default]
+    Shaded,
+    /// The fraction of light samples that are seen
+    Visibility,
+    /// Umbra, penumbra and lit in false colour
+    Penumbra,
+    /// How many triangles block something: where the work goes
+    Pairs,
+}
+
+/// Names of the precisions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum PrecisionArg {
+    /// Every bit is certified, or decided in integers
+    #[default]
+    Exact,
+    /// Plain f32
+    Fast,
+}
+
+impl From<PrecisionArg> for Precision {
+    fn from(precision: PrecisionArg) -> Self {
+        match precision {
+            PrecisionArg::Exact => Self::Exact,
+            PrecisionArg::Fast => Self::Fast,
+        }
+    }
+}
+
+impl RenderArgs {
+    /// Width and height of the picture.
+    pub fn pixels(&self) -> (u32, u32) {
+        (self.width.unwrap_or(self.size.0), self.height.unwrap_or(self.size.1))
+    }
+
+    /// The built-in scene with all defaults: what runs without a command.
+    pub fn without_arguments() -> Self {
+        Self {
+            model: None,
+            builtin: true,
+            output: "umbra4.png".into(),
+            view: View::Shaded,
+            size: (512, 512),
+            width: None,
+            height: None,
+            oversample: 1,
+            camera_from: None,
+            camera_to: None,
+            fov: None,
+            light: None,
+            light_size: None,
+            light_distance: None,
+            samples: "32".to_owned(),
+            no_ground: false,
+            work: WorkArgs::default(),
+        }
+    }
+}
+
+fn point(text: &str) -> Result<DVec3, String> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|n| n.trim().parse::<f64>()).collect();
+    match numbers.as_deref() {
+        Ok([x, y, z]) => Ok(DVec3::new(*x, *y, *z)),
+        _ => Err("expected three numbers, x,y,z".to_owned()),
+    }
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let side = |n: &str| n.parse::<u32>().ok().filter(|n| (1..=32768).contains(n));
+    text.split_once('x')
+        .and_then(|(width, height)| Some((side(width)?, side(height)?)))
+        .ok_or_else(|| "expected WIDTHxHEIGHT, each in 1..=32768".to_owned())
+}

@@ -1,0 +1,29 @@
+//! `umbra4 info`.
+
+use std::io::{Write, stdout};
+
+use umbra4_core::{Plan, SceneFacts};
+use umbra4_cpu::{CpuExecutor, Isa};
+
+use crate::error::ProgramError;
+
+/// The run that the plan is shown for: what the program renders without arguments.
+const EXAMPLE: SceneFacts = SceneFacts {
+    new_vertices: 0,
+    triangles: 100_000,
+    receivers: 512 * 512,
+    world_receivers: false,
+    visibility: true,
+    block: 1 << 18,
+};
+
+pub(super) fn run() -> Result<(), ProgramError> {
+    let mut out = stdout().lock();
+    writeln!(out, "umbra4 {}", env!("CARGO_PKG_VERSION"))?;
+    writeln!(out, "threads          {}", rayon::current_num_threads())?;
+    let available: Vec<String> = Isa::available().iter().map(|isa| format!("{isa:?}")).collect();
+    writeln!(out, "instruction sets {} (in use: {:?})", available.join(", "), CpuExecutor::new().isa())?;
+    writeln!(out, "\nplan for {} triangles and {} receivers:", EXAMPLE.triangles, EXAMPLE.receivers)?;
+    write!(out, "{}", Plan::new(EXAMPLE))?;
+    Ok(())
+}

@@ -1,0 +1,87 @@
+//! `umbra4 masks`: the interface for scripts and for checking.
+
+use std::{
+    io::{Write, stdout},
+    path::Path,
+};
+
+use serde_json::json;
+use umbra4_core::{LatticeLight, Lift, MaskWord, glam::IVec3};
+use umbra4_cpu::{CpuExecutor, Occluders, Receivers, Statistics};
+
+use crate::{
+    args::MasksArgs,
+    array_file,
+    bounds::lattice_around,
+    error::ProgramError,
+    light_file, model,
+    output::{Prepared, prepare},
+};
+
+pub(super) fn run(args: &MasksArgs) -> Result<(), ProgramError> {
+    let executor = super::executor(&args.work)?;
+    let light = light_file::read(&args.light)?.sampled(args.samples)?;
+    let model = model::load_f64(&args.model)?;
+    let points = array_file::read_points(&args.receivers)?;
+
+    let lattice = lattice_around(model.vertices.iter().chain(&points), &light)?;
+    let light = light.snap(&lattice, Lift::NONE)?;
+    let occluders = Occluders::from_f64(&lattice, &model.vertices, &model.triangles)?;
+    let receivers = Receivers::raw_f64(&lattice, &points)?;
+
+    let scene = (&occluders, &light, &receivers);
+    let (masks, statistics) = match args.samples {
+        0..=16 => write_masks::<u16>(&executor, scene, &args.output),
+        17..=32 => write_masks::<u32>(&executor, scene, &args.output),
+        _ => write_masks::<u64>(&executor, scene, &args.output),
+    }?;
+    let lattice = args.lattice_out.as_deref().map(|path| write_lattice(scene, path)).transpose()?;
+    masks.publish()?;
+    lattice.map(Prepared::publish).transpose()?;
+    if args.stats {
+        writeln!(stdout().lock(), "{}", statistics_json(&statistics))?;
+    }
+    Ok(())
+}
+
+type Scene<'a> = (&'a Occluders, &'a LatticeLight, &'a Receivers);
+
+fn write_masks<W: MaskWord + npyz::AutoSerialize>(
+    executor: &CpuExecutor,
+    (occluders, light, receivers): Scene<'_>,
+    path: &Path,
+) -> Result<(Prepared, Statistics), ProgramError> {
+    let (masks, statistics) = executor.masks::<W>(occluders, light, receivers)?;
+    let shape = [receivers.len() as u64, u64::from(light.rows)];
+    let words = masks.words().iter().copied();
+    let prepared = prepare(path, |writer| Ok(array_file::write_array(writer, &shape, words)?))?;
+    Ok((prepared, statistics))
+}
+
+fn write_lattice((occluders, light, receivers): Scene<'_>, path: &Path) -> Result<Prepared, ProgramError> {
+    let corners: Vec<IVec3> = (0..occluders.triangles().len()).filter_map(|t| occluders.corners(t)).flatten().collect();
+    let counts = [receivers.len() as u64, occluders.triangles().len() as u64];
+    let arrays: [(&str, &[u64], &[IVec3]); 5] = [
+        ("receivers", &[counts[0], 3], receivers.points()),
+        ("triangles", &[counts[1], 3, 3], &corners),
+        ("origin", &[3], &[light.origin]),
+        ("step_u", &[3], &[light.step_u]),
+        ("step_v", &[3], &[light.step_v]),
+    ];
+    Ok(prepare(path, |writer| Ok(array_file::write_lattice_points(writer, &arrays)?))?)
+}
+
+/// Seconds are those of index and masks: files and their parsing are not in them.
+fn statistics_json(statistics: &Statistics) -> serde_json::Value {
+    let by_stage: serde_json::Map<String, serde_json::Value> =
+        statistics.seconds_by_stage.iter().map(|(name, seconds)| ((*name).to_owned(), json!(seconds))).collect();
+    let counts = statistics.counts;
+    json!({
+        "seconds": statistics.seconds(),
+        "seconds_by_stage": by_stage,
+        "pairs_tested": counts.pairs_tested,
+        "pairs_kept": counts.pairs_kept,
+        "pairs_relevant": counts.pairs_relevant,
+        "fallbacks": counts.fallbacks,
+    })
+}

@@ -1,0 +1,58 @@
+//! Everything that can stop the program, each with a message of one line.
+
+use std::{fmt::Display, io};
+
+use umbra4_core::{LatticeError, LightError};
+use umbra4_cpu::{ExecutorError, SceneError};
+
+use crate::{
+    array_file::ArrayError, camera::CameraError, in_file::InFile, light_file::LightFileError, model::ModelError,
+    output::OutputError,
+};
+
+/// Why the program stopped.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub enum ProgramError {
+    /// The model.
+    Model(#[from] InFile<ModelError>),
+    /// The receivers.
+    Array(#[from] InFile<ArrayError>),
+    /// The light's file.
+    LightFile(#[from] InFile<LightFileError>),
+    /// A file to be written.
+    Output(#[from] InFile<OutputError>),
+    /// The light, once sampled and snapped.
+    Light(#[from] LightError),
+    /// The camera.
+    Camera(#[from] CameraError),
+    /// The world is too large.
+    Lattice(#[from] LatticeError),
+    /// A point that cannot be snapped.
+    Scene(#[from] SceneError),
+    /// The executor.
+    Executor(#[from] ExecutorError),
+    /// Standard output is closed.
+    Stdout(#[from] io::Error),
+    /// A picture that would not fit the memory of most machines.
+    #[error("{pixels} receivers are too many for one picture: at most {most}")]
+    TooManyPixels {
+        /// Pixels, times what each is oversampled.
+        pixels: u64,
+        /// How many can be.
+        most: u64,
+    },
+    /// A number of threads that the system does not give.
+    #[error("cannot start {threads} threads: {reason}")]
+    Threads {
+        /// Threads asked for.
+        threads: usize,
+        /// What the system said.
+        reason: String,
+    },
+}
+
+/// Any message as one line.
+pub fn one_line(message: impl Display) -> String {
+    message.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}

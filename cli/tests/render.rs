@@ -1,0 +1,58 @@
+//! `umbra4 render` and the program without arguments, at sizes that take no time.
+#![allow(clippy::unwrap_used)] // in a test, a panic is the message
+
+mod common;
+
+use common::Folder;
+
+#[test]
+fn every_view_of_the_built_in_scene() {
+    let folder = Folder::new();
+    for view in ["shaded", "visibility", "penumbra", "pairs"] {
+        folder.succeed(&format!("render --builtin -o {view}.png --size 48x32 --samples 8 --view {view}"));
+        let picture = image::open(folder.path(&format!("{view}.png"))).unwrap().into_rgb8();
+        assert_eq!(picture.dimensions(), (48, 32));
+        let (low, high) = picture.iter().fold((255, 0), |(low, high), &v| (v.min(low), v.max(high)));
+        assert!(high - low > 100, "{view} is flat: {low}..={high}");
+    }
+}
+
+#[test]
+fn all_kinds_of_shadow_are_seen() {
+    let folder = Folder::new();
+    folder.succeed("render --builtin -o v.exr --width 64 --height 64 --samples 16 --view visibility");
+    let picture = image::open(folder.path("v.exr")).unwrap().into_rgb32f();
+    let share = |class: fn(f32) -> bool| picture.pixels().filter(|p| class(p.0[0])).count() as f64 / 4096.0;
+    let (umbra, penumbra, lit) = (share(|v| v <= 0.0), share(|v| v > 0.0 && v < 1.0), share(|v| v >= 1.0));
+    assert!(umbra > 0.05 && penumbra > 0.15 && lit > 0.15, "{umbra} {penumbra} {lit}");
+}
+
+#[test]
+fn a_model_gets_a_camera_a_light_and_a_ground() {
+    let folder = Folder::new();
+    let table = folder.succeed("render model.obj -o a.png --size 64x64 --samples 16");
+    for word in ["seconds", "resolve", "pairs relevant", "umbra"] {
+        assert!(table.contains(word), "{table}");
+    }
+    folder.succeed("render model.obj -o b.png --size 64x64 --samples 16 --no-ground --precision fast --threads 1");
+    folder.succeed(
+        "render model.obj -o c.png --size 32x32 --samples 8 --light light.json --camera-from -3,2,4 --camera-to 0,1,0 --fov 50 --oversample 2",
+    );
+    assert_eq!(image::open(folder.path("c.png")).unwrap().width(), 32);
+    assert_ne!(std::fs::read(folder.path("a.png")).unwrap(), std::fs::read(folder.path("b.png")).unwrap());
+}
+
+#[test]
+fn degenerate_models_and_empty_views_work() {
+    let folder = Folder::new();
+    folder.write("model.obj", "v 0 1 0\nv 1 1 0\nv 2 1 0\nf 1 2 3\n");
+    folder.succeed("render model.obj -o a.png --size 16x16 --samples 8 --no-ground");
+    folder.succeed("render model.obj -o b.png --size 16x16 --samples 8 --view pairs");
+    folder.succeed("render --builtin -o c.png --size 16x16 --samples 8 --camera-from 0,50,0 --camera-to 0,90,0");
+}
+
+#[test]
+fn info_tells_the_plan() {
+    let text = Folder::new().succeed("info");
+    assert!(text.contains("threads") && text.contains("resolve"), "{text}");
+}
