@@ -20,7 +20,7 @@ pub enum ContenderError {
     /// There is no such contender.
     #[error(
         "no contender is called {name}; there are umbra4, umbra4-fast, obvhs[-bvh2][-fast|-slow], and with the feature \
-         'embree' embree1, embree8 and embree16 with [-high][-robust][-square]"
+         'embree' embree1, embree8 and embree16 with [-high][-robust][-square][-avx2]"
     )]
     Unknown {
         /// The name asked for.

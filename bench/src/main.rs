@@ -46,7 +46,7 @@ struct CompareArgs {
     /// dragon11k, dragon48k, dragon203k, dragon871k, sponza.
     #[arg(long, value_delimiter = ',', default_value = "dragon48k,dragon203k,sponza")]
     scene: Vec<String>,
-    /// umbra4, umbra4-fast, obvhs[-bvh2][-fast|-slow], embree{1,8,16}[-high][-robust][-square].
+    /// umbra4, umbra4-fast, obvhs[-bvh2][-fast|-slow], embree{1,8,16}[-high][-robust][-square][-avx2].
     #[arg(long, value_delimiter = ',', default_value = CONTENDERS)]
     contenders: Vec<String>,
     /// Rows and columns of the light's samples.

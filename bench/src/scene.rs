@@ -96,8 +96,8 @@ fn dragon(mut model: Model, samples: u32) -> Result<Scene, SceneError> {
     let corner = center + away * diagonal - (edge_u + edge_v) * 0.5;
     let light = AreaLight::new(corner, edge_u, edge_v, samples, samples)?;
 
-    let eye = center + DVec3::new(0.25, 0.55, 1.0).normalize() * 1.6 * diagonal;
-    let target = center - DVec3::Y * 0.08 * diagonal;
+    let eye = center + DVec3::new(0.25, 0.55, 1.0).normalize() * 1.2 * diagonal;
+    let target = center + DVec3::new(0.04, -0.06, 0.0) * diagonal;
     let camera = Camera { eye, target, vertical_degrees: 40.0 };
     Ok(Scene { model, light, camera })
 }

@@ -35,7 +35,7 @@ pub struct Embree {
 }
 
 impl Embree {
-    /// `embree{1,8,16}[-high][-robust][-square]`.
+    /// `embree{1,8,16}[-high][-robust][-square][-avx2]`.
     pub fn named(name: &str) -> Option<Self> {
         let mut words = name.strip_prefix("embree")?.split('-');
         let width = words.next()?.parse().ok().filter(|width| [1, 8, 16].contains(width))?;
@@ -44,6 +44,7 @@ impl Embree {
             match word {
                 "high" => embree.options.high_quality = true,
                 "robust" => embree.options.robust = true,
+                "avx2" => embree.options.avx2 = true,
                 "square" => embree.square = true,
                 _ => return None,
             }

@@ -12,6 +12,8 @@ pub struct Options {
     pub high_quality: bool,
     /// Watertight traversal.
     pub robust: bool,
+    /// No instructions beyond AVX2, to compare with machines that have no more.
+    pub avx2: bool,
 }
 
 /// Triangles that rays can be shot at.
@@ -26,7 +28,8 @@ unsafe impl Sync for TriangleScene {}
 impl TriangleScene {
     /// Copies the model and builds its hierarchy on `threads` threads.
     pub fn new(model: &Model, options: Options, threads: usize) -> Result<Self, EmbreeError> {
-        let config = CString::new(format!("threads={threads}")).unwrap_or_default();
+        let isa = if options.avx2 { ",isa=avx2" } else { "" };
+        let config = CString::new(format!("threads={threads}{isa}")).unwrap_or_default();
         // SAFETY: `config` is a C string that outlives the call.
         let device = unsafe { ffi::rtcNewDevice(config.as_ptr()) };
         if device.is_null() {
