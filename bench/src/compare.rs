@@ -153,6 +153,7 @@ fn differing_bits<'a, W: RowWord>(
 }
 
 #[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test may panic")]
 mod tests {
     use super::*;
     use crate::scene::tiny;
@@ -186,7 +187,7 @@ mod tests {
 
     #[test]
     fn bvh_rivals_agree() {
-        for name in ["obvhs", "obvhs-bvh2", "obvhs-fast", "obvhs-bvh2-slow"] {
+        for name in ["obvhs", "obvhs-cwbvh", "obvhs-fast", "obvhs-cwbvh-medium"] {
             agrees::<u32>(32, name);
         }
         agrees::<u64>(37, "obvhs");
@@ -201,6 +202,13 @@ mod tests {
             agrees::<u64>(37, name);
             agrees::<u32>(5, name);
         }
+    }
+
+    #[cfg(all(feature = "tinybvh", target_feature = "avx2"))]
+    #[test]
+    fn tinybvh_agrees() {
+        agrees::<u32>(32, "tinybvh");
+        agrees::<u64>(37, "tinybvh-high");
     }
 
     #[test]

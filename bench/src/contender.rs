@@ -19,8 +19,9 @@ pub struct Seconds {
 pub enum ContenderError {
     /// There is no such contender.
     #[error(
-        "no contender is called {name}; there are umbra4, umbra4-fast, obvhs[-bvh2][-fast|-slow], and with the feature \
-         'embree' embree1, embree8 and embree16 with [-high][-robust][-square][-avx2]"
+        "no contender is called {name}; there are umbra4, umbra4-fast, obvhs[-cwbvh][-fast|-medium]; with the feature \
+         'embree' embree1, embree8 and embree16 with [-high][-robust][-square][-avx2]; with the feature 'tinybvh', on \
+         a target with AVX2, tinybvh[-high]"
     )]
     Unknown {
         /// The name asked for.
@@ -36,6 +37,17 @@ pub enum ContenderError {
     #[cfg(feature = "embree")]
     #[error(transparent)]
     Embree(#[from] crate::embree::EmbreeError),
+    /// tinybvh refuses the model.
+    #[cfg(all(feature = "tinybvh", target_feature = "avx2"))]
+    #[error("tinybvh: {0}")]
+    Tiny(tinybvh_rs::Error),
+}
+
+#[cfg(all(feature = "tinybvh", target_feature = "avx2"))]
+impl From<tinybvh_rs::Error> for ContenderError {
+    fn from(error: tinybvh_rs::Error) -> Self {
+        Self::Tiny(error)
+    }
 }
 
 /// Something that computes masks.
@@ -69,6 +81,8 @@ pub fn by_name<W: RowWord>(name: &str) -> Result<Entry<W>, ContenderError> {
         _ if name.starts_with("obvhs") => Box::new(BvhRival::named(name).ok_or_else(unknown)?),
         #[cfg(feature = "embree")]
         _ if name.starts_with("embree") => Box::new(crate::embree::Embree::named(name).ok_or_else(unknown)?),
+        #[cfg(all(feature = "tinybvh", target_feature = "avx2"))]
+        _ if name.starts_with("tinybvh") => Box::new(crate::tiny_rival::TinyRival::named(name).ok_or_else(unknown)?),
         _ => return Err(unknown()),
     };
     Ok(Entry { name: name.to_owned(), ours: name.starts_with("umbra4"), contender })

@@ -13,6 +13,8 @@ mod row_word;
 mod scene;
 mod subset;
 mod table;
+#[cfg(all(feature = "tinybvh", target_feature = "avx2"))]
+mod tiny_rival;
 mod umbra;
 
 use std::{path::PathBuf, process::ExitCode};
@@ -35,8 +37,11 @@ enum Command {
 }
 
 /// Contenders that a plain run compares.
-const CONTENDERS: &str =
-    if cfg!(feature = "embree") { "umbra4,umbra4-fast,embree8,embree16,obvhs" } else { "umbra4,umbra4-fast,obvhs" };
+const CONTENDERS: &str = if cfg!(feature = "embree") {
+    "umbra4,umbra4-fast,embree8,embree16,embree16-square-high,obvhs"
+} else {
+    "umbra4,umbra4-fast,obvhs"
+};
 
 #[derive(Args)]
 struct CompareArgs {
@@ -46,7 +51,8 @@ struct CompareArgs {
     /// dragon11k, dragon48k, dragon203k, dragon871k, sponza.
     #[arg(long, value_delimiter = ',', default_value = "dragon48k,dragon203k,sponza")]
     scene: Vec<String>,
-    /// umbra4, umbra4-fast, obvhs[-bvh2][-fast|-slow], embree{1,8,16}[-high][-robust][-square][-avx2].
+    /// umbra4, umbra4-fast, obvhs[-cwbvh][-fast|-medium], and with their features
+    /// embree{1,8,16}[-high][-robust][-square][-avx2] and tinybvh[-high].
     #[arg(long, value_delimiter = ',', default_value = CONTENDERS)]
     contenders: Vec<String>,
     /// Rows and columns of the light's samples.

@@ -125,6 +125,8 @@ fn sponza(model: Model, samples: u32) -> Result<Scene, SceneError> {
 /// A small scene made by code, for tests: a leaning fan of triangles over a ground plane.
 #[cfg(test)]
 pub fn tiny(samples: u32) -> Scene {
+    use umbra4_core::glam::Vec3;
+
     let mut model = Model::default();
     for i in 0..12_u8 {
         let a = f32::from(i) * 0.55;
