@@ -38,7 +38,7 @@ enum Command {
 
 /// Contenders that a plain run compares.
 const CONTENDERS: &str = if cfg!(feature = "embree") {
-    "umbra4,umbra4-fast,embree8,embree16,embree16-square-high,obvhs"
+    "umbra4,umbra4-fast,embree8,embree16,embree16-square,obvhs"
 } else {
     "umbra4,umbra4-fast,obvhs"
 };
