@@ -8,18 +8,34 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod edge_plane;
 pub mod exact;
+pub mod executor;
+pub mod frame;
+pub mod hierarchy;
+pub mod lanes;
 pub mod lattice;
 pub mod light;
 pub mod mask_word;
+pub mod order;
+pub mod plan;
+pub mod precision;
+pub mod proj4;
+pub mod row_mask;
+pub mod serial;
+pub mod stage;
 pub mod statistics;
 pub mod surface;
 pub mod wide;
 
 pub use glam;
 
+pub use executor::Executor;
+pub use lanes::Lanes;
 pub use lattice::{Bounds, Lattice, LatticeError, SnapError};
 pub use light::{AreaLight, LatticeLight, LightError};
 pub use mask_word::{MaskWord, PairWord};
+pub use plan::{Pass, Plan, SceneFacts};
+pub use precision::{Exact, Fast, PrecisionMode};
 pub use statistics::Counts;
 pub use surface::Lift;

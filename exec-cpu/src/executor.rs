@@ -1,9 +1,12 @@
-//! INTERIM: brute force behind the final interface, so that the program and the tests can be written against it.
+//! The executor that users hold: options, and the ways to ask.
 
+use std::sync::Arc;
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use thiserror::Error;
-use umbra4_core::{Counts, LatticeLight, MaskWord, exact};
+use umbra4_core::{Exact, Fast, LatticeLight, MaskWord, Plan, SceneFacts, stage::reduce};
 
-use crate::{Masks, Occluders, Receivers};
+use crate::{Isa, Masks, Occluders, Receivers, Statistics, run::Run, scatter::Scatter};
 
 /// Exact or plain f32.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -13,14 +16,6 @@ pub enum Precision {
     Exact,
     /// Plain f32: no certification, no fallback.
     Fast,
-}
-
-/// Which index finds the pairs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Index {
-    /// A hierarchy over the triangles, against groups of receivers.
-    #[default]
-    Hierarchy,
 }
 
 /// Why a run is refused.
@@ -42,35 +37,65 @@ pub enum ExecutorError {
         /// What the system said.
         reason: String,
     },
+    /// The result would not fit the address space.
+    #[error("masks of {receivers} receivers with {rows} rows are too many words")]
+    TooManyWords {
+        /// Receivers.
+        receivers: usize,
+        /// Rows of the light.
+        rows: u32,
+    },
 }
 
-/// What a run did.
-#[derive(Clone, Debug, Default)]
-pub struct Statistics {
-    /// Pairs and fallbacks.
-    pub counts: Counts,
-    /// Seconds spent in each stage, in the order they ran.
-    pub seconds_by_stage: Vec<(&'static str, f64)>,
-}
+/// Receivers worked on at once: bounds the memory of a run, whatever the size of the image.
+const BLOCK: u32 = 1 << 18;
 
 /// Runs the stages on CPU threads.
-#[derive(Debug, Default)]
+///
+/// ```
+/// use umbra4_cpu::{CpuExecutor, Occluders, Receivers};
+/// use umbra4_core::{glam::{DVec3, Vec3}, AreaLight, Bounds, Lattice, Lift};
+///
+/// let vertices = [Vec3::new(-1.0, 1.0, -1.0), Vec3::new(1.0, 1.0, -1.0), Vec3::new(0.0, 1.0, 1.0)];
+/// let light = AreaLight::new(DVec3::new(-0.5, 3.0, -0.5), DVec3::X, DVec3::Z, 16, 16)?; // X × Z = −Y: shines down
+/// let bounds = Bounds { min: DVec3::splat(-4.0), max: DVec3::splat(4.0) };
+///
+/// let lattice = Lattice::covering(bounds)?;
+/// let occluders = Occluders::new(&lattice, &vertices, &[[0, 1, 2]])?;
+/// let receivers = Receivers::raw(&lattice, &[Vec3::ZERO, Vec3::new(3.0, 0.0, 0.0)])?;
+/// let light = light.snap(&lattice, Lift::NONE)?;
+///
+/// let (visibility, _) = CpuExecutor::new().visibility(&occluders, &light, &receivers)?;
+/// assert!(visibility[0] < 0.5 && visibility[1] == 1.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
 pub struct CpuExecutor {
     precision: Precision,
+    isa: Isa,
+    pool: Option<Arc<ThreadPool>>,
+}
+
+impl Default for CpuExecutor {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl CpuExecutor {
-    /// An executor on as many threads as the machine has, exact, with the default index.
+    /// An executor on rayon's global threads, exact, with the widest instruction set of the processor.
     pub fn new() -> Self {
-        Self::default()
+        Self { precision: Precision::Exact, isa: Isa::best(), pool: None }
     }
 
-    /// Uses `threads` threads of its own.
+    /// Uses `threads` threads of its own (0: as many as the machine has).
     ///
     /// # Errors
     /// The system refuses the threads.
-    pub fn with_threads(self, threads: usize) -> Result<Self, ExecutorError> {
-        let _ = threads;
+    pub fn with_threads(mut self, threads: usize) -> Result<Self, ExecutorError> {
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.map_err(|e| ExecutorError::Threads { threads, reason: e.to_string() })?;
+        self.pool = Some(Arc::new(pool));
         Ok(self)
     }
 
@@ -81,45 +106,30 @@ impl CpuExecutor {
         self
     }
 
-    /// Chooses the index.
+    /// Chooses the instruction set. One that the processor lacks is not taken: the executor stays as it is.
     #[must_use]
-    pub fn with_index(self, index: Index) -> Self {
-        let _ = index;
+    pub fn with_isa(mut self, isa: Isa) -> Self {
+        if Isa::available().contains(&isa) {
+            self.isa = isa;
+        }
         self
     }
 
-    /// Hands the mask of every receiver to `visit(receiver, rows)`, from many threads and in any order, and stores none.
-    ///
-    /// # Errors
-    /// The word is too narrow for the light.
-    pub fn visit<W: MaskWord>(
-        &self,
-        occluders: &Occluders,
-        light: &LatticeLight,
-        receivers: &Receivers,
-        visit: impl Fn(usize, &[W]) + Sync,
-    ) -> Result<Statistics, ExecutorError> {
-        if light.columns > W::BITS {
-            return Err(ExecutorError::WordTooNarrow { columns: light.columns, bits: W::BITS });
-        }
-        for (r, &p) in receivers.points().iter().enumerate() {
-            let mut rows = vec![W::EMPTY; light.rows as usize];
-            for (row, word) in rows.iter_mut().enumerate() {
-                for column in 0..light.columns {
-                    let blocked = exact::behind_light::<exact::Wide>(light, p)
-                        || (0..occluders.triangles().len()).any(|t| {
-                            occluders
-                                .corners(t)
-                                .is_some_and(|t| exact::blocks::<exact::Wide>(light, p, t, row as u32, column))
-                        });
-                    if blocked {
-                        *word = word.or(W::span(column, column + 1));
-                    }
-                }
-            }
-            visit(r, &rows);
-        }
-        Ok(Statistics::default())
+    /// The instruction set in use.
+    pub fn isa(&self) -> Isa {
+        self.isa
+    }
+
+    /// What will run for such a scene.
+    pub fn plan(&self, occluders: &Occluders, receivers: &Receivers, visibility: bool) -> Plan {
+        Plan::new(SceneFacts {
+            new_vertices: 0,
+            triangles: occluders.triangles().len() as u32,
+            receivers: receivers.len() as u32,
+            world_receivers: false,
+            visibility,
+            block: BLOCK,
+        })
     }
 
     /// The masks of all receivers.
@@ -133,32 +143,125 @@ impl CpuExecutor {
         receivers: &Receivers,
     ) -> Result<(Masks<W>, Statistics), ExecutorError> {
         let rows = light.rows as usize;
-        let words = std::sync::Mutex::new(vec![W::EMPTY; rows * receivers.len()]);
-        let statistics = self.visit::<W>(occluders, light, receivers, |r, mask| {
-            if let Ok(mut words) = words.lock() {
-                words[r * rows..(r + 1) * rows].copy_from_slice(mask);
-            }
+        let too_many = ExecutorError::TooManyWords { receivers: receivers.len(), rows: light.rows };
+        let count = receivers.len().checked_mul(rows).ok_or_else(|| too_many.clone())?;
+        let mut words = Vec::new();
+        words.try_reserve_exact(count).map_err(|_| too_many)?;
+        words.resize(count, W::EMPTY);
+        let out = Scatter::new(&mut words);
+        let statistics = self.run::<W>(occluders, light, receivers, false, |answer| {
+            // SAFETY: every receiver is visited once, and its part is its own.
+            unsafe { out.part(answer.receiver * rows, rows) }.copy_from_slice(answer.rows);
         })?;
-        Ok((Masks { rows, words: words.into_inner().unwrap_or_default() }, statistics))
+        Ok((Masks { rows, words }, statistics))
     }
 
     /// The fraction of lit samples of every receiver, in `0.0..=1.0`. Masks are never stored.
     ///
     /// # Errors
-    /// As [`CpuExecutor::masks`]; the word is chosen to fit.
+    /// None but those of the thread pool; the word is chosen to fit the light.
     pub fn visibility(
         &self,
         occluders: &Occluders,
         light: &LatticeLight,
         receivers: &Receivers,
     ) -> Result<(Vec<f32>, Statistics), ExecutorError> {
-        let (masks, statistics) = self.masks::<u64>(occluders, light, receivers)?;
-        let samples = light.sample_count();
-        let lit = masks
-            .words()
-            .chunks_exact(light.rows as usize)
-            .map(|rows| 1.0 - rows.iter().map(|w| w.count()).sum::<u32>() as f32 / samples as f32)
-            .collect();
-        Ok((lit, statistics))
+        let table: Vec<f32> =
+            (0..=light.sample_count()).map(|lit| reduce::visibility(lit, light.sample_count())).collect();
+        self.per_receiver(occluders, light, receivers, |answer| table[answer.lit as usize])
+    }
+
+    /// How many triangles block at least one sample of each receiver; for receivers in full shadow, how many were met
+    /// until nothing was left to block. Shows where the work goes.
+    ///
+    /// # Errors
+    /// As [`CpuExecutor::visibility`].
+    pub fn pairs_per_receiver(
+        &self,
+        occluders: &Occluders,
+        light: &LatticeLight,
+        receivers: &Receivers,
+    ) -> Result<(Vec<u32>, Statistics), ExecutorError> {
+        self.per_receiver(occluders, light, receivers, |answer| answer.pairs)
+    }
+
+    /// Hands the mask of every receiver to `visit(receiver, rows)`, once each, from many threads and in any order, and
+    /// stores none: memory stays bounded, whatever the number of receivers.
+    ///
+    /// # Errors
+    /// The word is too narrow for the light.
+    pub fn visit<W: MaskWord>(
+        &self,
+        occluders: &Occluders,
+        light: &LatticeLight,
+        receivers: &Receivers,
+        visit: impl Fn(usize, &[W]) + Sync,
+    ) -> Result<Statistics, ExecutorError> {
+        self.run::<W>(occluders, light, receivers, false, |answer| visit(answer.receiver, answer.rows))
+    }
+
+    fn per_receiver<T: Copy + Default + Send>(
+        &self,
+        occluders: &Occluders,
+        light: &LatticeLight,
+        receivers: &Receivers,
+        value: impl Fn(&Numbers) -> T + Sync,
+    ) -> Result<(Vec<T>, Statistics), ExecutorError> {
+        let mut values = vec![T::default(); receivers.len()];
+        let out = Scatter::new(&mut values);
+        let write = |numbers: &Numbers| {
+            // SAFETY: every receiver is visited once, and its element is its own.
+            let place = unsafe { out.part(numbers.receiver, 1) };
+            place.fill(value(numbers));
+        };
+        // The narrowest word that holds a row: more rows fit a register.
+        let statistics = match light.columns {
+            0..=16 => self.run::<u16>(occluders, light, receivers, true, |a| write(&a.numbers(light.columns))),
+            17..=32 => self.run::<u32>(occluders, light, receivers, true, |a| write(&a.numbers(light.columns))),
+            _ => self.run::<u64>(occluders, light, receivers, true, |a| write(&a.numbers(light.columns))),
+        }?;
+        Ok((values, statistics))
+    }
+
+    fn run<W: MaskWord>(
+        &self,
+        occluders: &Occluders,
+        light: &LatticeLight,
+        receivers: &Receivers,
+        visibility: bool,
+        visit: impl Fn(Answer<'_, W>) + Sync,
+    ) -> Result<Statistics, ExecutorError> {
+        if light.columns > W::BITS {
+            return Err(ExecutorError::WordTooNarrow { columns: light.columns, bits: W::BITS });
+        }
+        let plan = self.plan(occluders, receivers, visibility);
+        let work = || match self.precision {
+            Precision::Exact => Run::<W, Exact, _>::new(&plan, self.isa, occluders, *light, receivers, &visit).finish(),
+            Precision::Fast => Run::<W, Fast, _>::new(&plan, self.isa, occluders, *light, receivers, &visit).finish(),
+        };
+        Ok(match &self.pool {
+            Some(pool) => pool.install(work),
+            None => work(),
+        })
+    }
+}
+
+/// One receiver's result.
+pub(crate) struct Answer<'a, W> {
+    pub(crate) receiver: usize,
+    pub(crate) rows: &'a [W],
+    pub(crate) pairs: u32,
+}
+
+/// What is left of a result once its mask is counted.
+struct Numbers {
+    receiver: usize,
+    lit: u32,
+    pairs: u32,
+}
+
+impl<W: MaskWord> Answer<'_, W> {
+    fn numbers(&self, columns: u32) -> Numbers {
+        Numbers { receiver: self.receiver, lit: reduce::lit_count(self.rows, columns), pairs: self.pairs }
     }
 }

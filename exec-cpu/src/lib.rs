@@ -1,10 +1,18 @@
-//! Runs umbra4's exact soft-shadow stages on CPU threads.
+//! Runs umbra4's exact soft-shadow stages on CPU threads: memory, scheduling and instruction sets for the geometry of
+//! `umbra4-core`.
 
 mod executor;
 mod masks;
+mod order;
+mod run;
+mod scatter;
 mod scene;
+mod simd;
+mod statistics;
 
-pub use executor::{CpuExecutor, ExecutorError, Index, Precision, Statistics};
+pub use executor::{CpuExecutor, ExecutorError, Precision};
 pub use masks::Masks;
 pub use scene::{Occluders, Receivers, SceneError};
+pub use simd::Isa;
+pub use statistics::Statistics;
 pub use umbra4_core as core;

@@ -1,0 +1,390 @@
+//! The oriented planes through a receiver and the edges of a triangle, as lines over the light's grid, in f32 with a
+//! stated error bound; and which receivers they leave anything of.
+//!
+//! Seed: Wang et al. 2016, section 3.3 (planes P0 to P2 of Algorithm 3, lines 7 to 10). Departures: planes are oriented
+//! by the receiver's side of the triangle (the listing omits it), each switch column comes as an interval that holds the
+//! true one, and pairs of which no sample can be blocked are dropped before any row is looked at.
+//!
+//! # Error bound
+//! For receiver p, edge a → b and sample (i, j), the sign sought is that of
+//! `f(i, j) = n·(O − p) + i·(n·dV) + j·(n·dU)` with `n = (a − p) × (b − a)`. With d = a − p, e = b − a, g = O − p, all
+//! exact integer differences, each of its terms is a product of one component each of d, e and g (or dV, dU) under at
+//! most eight relative errors ε: three conversions, two products, one difference and two sums. The sum of the terms'
+//! magnitudes is at most `‖d‖₁·‖e‖₁·‖g‖∞` (for each pair of components of d and e there is one of g). This is the
+//! permanent's bound, so it also covers contraction and redistribution by a compiler. Hence
+//! `|f̂ − f| ≤ 8ε·s·r` with `s = ‖d‖₁‖e‖₁` and `r = ‖g‖∞ + (rows−1)‖dV‖∞ + (columns−1)‖dU‖∞`.
+//!
+//! A slope `B = n·dU` below its own error, `8ε·s·‖dU‖∞`, is replaced by that error: this doubles the last term of r, and
+//! keeps the quotients finite. The switch column `x(i) = −(A + C·i)/B` is computed as `α + β·i` from a reciprocal
+//! (3ε), two products and a sum: at most `7ε·s·r/|B|`. So column j is on the side that the float says if
+//! `|j − x̂(i)| > δ = 16ε·s·r/|B|`, which leaves one ε for the bound's own arithmetic.
+
+use glam::{IVec3, Vec3};
+
+use crate::{
+    exact::{self, Wide},
+    lanes::{Lanes, TILE},
+    light::LatticeLight,
+    precision::PrecisionMode,
+};
+
+/// Coefficient of the bound on the switch column: 16 roundoffs.
+const COLUMN_ERRORS: f32 = 16.0;
+/// Coefficient of the bound on a slope, and on the side of a triangle's plane: eight roundoffs, and one to spare.
+const FORM_ERRORS: f32 = 9.0;
+
+/// What the planes of all pairs need of the light, in f32.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct LightGrid {
+    /// The light itself, for the signs that are decided in integers.
+    pub light: LatticeLight,
+    step_u: Vec3,
+    step_v: Vec3,
+    last_column: f32,
+    last_row: f32,
+    largest_u: f32,
+    reach: f32,
+}
+
+impl LightGrid {
+    /// Rounds what is needed to f32, once a light.
+    pub fn new(light: LatticeLight) -> Self {
+        let largest = |v: IVec3| float(v).abs().max_element();
+        let (last_row, last_column) = ((light.rows - 1) as f32, (light.columns - 1) as f32);
+        Self {
+            step_u: float(light.step_u),
+            step_v: float(light.step_v),
+            last_column,
+            last_row,
+            largest_u: largest(light.step_u),
+            reach: (last_row * largest(light.step_v) + 2.0 * last_column * largest(light.step_u))
+                * (1.0 + 4.0 * f32::EPSILON),
+            light,
+        }
+    }
+}
+
+#[inline(always)]
+fn float(v: IVec3) -> Vec3 {
+    Vec3::new(v.x as f32, v.y as f32, v.z as f32)
+}
+
+#[inline(always)]
+fn sum_of_magnitudes(v: Vec3) -> f32 {
+    v.x.abs() + v.y.abs() + v.z.abs()
+}
+
+/// A triangle as the resolve stage meets it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Occluder {
+    /// Corners on the lattice. Unless the plane is mixed, they are ordered so that all light samples lie on the
+    /// positive side of the plane.
+    pub corners: [IVec3; 3],
+    /// 1 where the triangle's plane meets the light's sample grid, so that it cuts masks as a fourth plane; else 0.
+    pub mixed: u32,
+}
+
+impl Occluder {
+    /// Orients a triangle towards the light. `None` where its plane holds every sample, or it has no plane: it blocks
+    /// nothing.
+    pub fn facing(light: &LatticeLight, corners: [IVec3; 3]) -> Option<Self> {
+        let form = exact::triangle_form::<Wide>(light, corners);
+        let (row, column) = (light.rows as i32 - 1, light.columns as i32 - 1);
+        let signs = [form.sign_at(0, 0), form.sign_at(0, column), form.sign_at(row, 0), form.sign_at(row, column)];
+        // The form is linear: its extremes over the grid are at the corners.
+        let (mut lowest, mut highest) = (1, -1);
+        let mut k = 0;
+        while k < 4 {
+            lowest = if signs[k] < lowest { signs[k] } else { lowest };
+            highest = if signs[k] > highest { signs[k] } else { highest };
+            k += 1;
+        }
+        let [a, b, c] = corners;
+        match (lowest, highest) {
+            (0, 0) => None,
+            (1, _) => Some(Self { corners, mixed: 0 }),
+            (_, -1) => Some(Self { corners: [a, c, b], mixed: 0 }),
+            _ => Some(Self { corners, mixed: 1 }),
+        }
+    }
+}
+
+/// Sixteen receivers on the lattice, lane-major.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct ReceiverTile {
+    /// Lattice coordinates: `axes[axis][lane]`.
+    pub axes: [[i32; TILE]; 3],
+}
+
+impl ReceiverTile {
+    /// The point of one lane; `lane < TILE`.
+    #[inline(always)]
+    pub fn point(&self, lane: usize) -> IVec3 {
+        let l = lane % TILE;
+        IVec3::new(self.axes[0][l], self.axes[1][l], self.axes[2][l])
+    }
+}
+
+/// The switch columns of `E` planes for sixteen receivers, as lines over the rows: `x(i) = slope·i + …`. A plane with its
+/// bit in `lower` blocks from x upwards, one without from x downwards.
+#[derive(Clone, Copy, Debug)]
+pub struct Lines<const E: usize> {
+    /// Columns a row.
+    pub slope: [[f32; TILE]; E],
+    /// Switch column at row 0, moved towards the blocked side by the error bound: beyond it all is surely blocked.
+    pub inner: [[f32; TILE]; E],
+    /// Switch column at row 0, moved the other way: before it nothing is blocked. Equal to `inner` where signs are not
+    /// certified.
+    pub outer: [[f32; TILE]; E],
+    /// Bit l: for lane l the plane bounds the columns from below.
+    pub lower: [u32; E],
+    /// Bit l: lane l's side of the triangle's plane is the negative one.
+    pub flipped: u32,
+}
+
+impl<const E: usize> Lines<E> {
+    /// Lines of nothing, to be written by [`PairPlanes::lines`].
+    pub const EMPTY: Self =
+        Self { slope: [[0.0; TILE]; E], inner: [[0.0; TILE]; E], outer: [[0.0; TILE]; E], lower: [0; E], flipped: 0 };
+}
+
+/// One triangle against sixteen receivers.
+pub struct PairPlanes<'a> {
+    grid: &'a LightGrid,
+    receivers: &'a ReceiverTile,
+    corners: [IVec3; 3],
+    edges: [Vec3; 3],
+    normal: Vec3,
+    normal_size: f32,
+}
+
+/// One vector of the three dot products that make a line, and the sizes that bound their errors.
+struct Form<L> {
+    at_origin: L,
+    per_row: L,
+    per_column: L,
+    size: L,
+    reach: L,
+}
+
+impl<'a> PairPlanes<'a> {
+    /// What all receivers share.
+    #[inline(always)]
+    pub fn new(grid: &'a LightGrid, receivers: &'a ReceiverTile, occluder: &Occluder) -> Self {
+        let [a, b, c] = occluder.corners;
+        let edges = [float(b - a), float(c - b), float(a - c)];
+        let normal = edges[2].cross(edges[0]);
+        let normal_size = sum_of_magnitudes(edges[0]) * sum_of_magnitudes(edges[2]);
+        Self { grid, receivers, corners: occluder.corners, edges, normal, normal_size }
+    }
+
+    /// Computes the lines of the lanes in `wanted` and returns those lanes of which a sample may be blocked. Adds the
+    /// signs decided in integers to `fallbacks`. `E` is 3, or 4 for a triangle whose plane meets the light's grid.
+    #[inline(always)]
+    pub fn lines<L: Lanes, P: PrecisionMode, const E: usize>(
+        &self,
+        wanted: u32,
+        lines: &mut Lines<E>,
+        fallbacks: &mut u64,
+    ) -> u32 {
+        let mut alive = 0;
+        let mut first = 0;
+        lines.lower = [0; E];
+        lines.flipped = 0;
+        while first < TILE {
+            let lanes = wanted >> first & low_bits(L::WIDTH);
+            if lanes != 0 {
+                alive |= self.chunk::<L, P, E>(first, lanes, lines, fallbacks) << first;
+            }
+            first += L::WIDTH;
+        }
+        alive
+    }
+
+    #[inline(always)]
+    fn chunk<L: Lanes, P: PrecisionMode, const E: usize>(
+        &self,
+        first: usize,
+        wanted: u32,
+        lines: &mut Lines<E>,
+        fallbacks: &mut u64,
+    ) -> u32 {
+        let p = [
+            L::load_ints(&self.receivers.axes[0], first),
+            L::load_ints(&self.receivers.axes[1], first),
+            L::load_ints(&self.receivers.axes[2], first),
+        ];
+        let from_p = |q: IVec3| {
+            [
+                L::difference(L::splat_int(q.x), p[0]),
+                L::difference(L::splat_int(q.y), p[1]),
+                L::difference(L::splat_int(q.z), p[2]),
+            ]
+        };
+        let d0 = from_p(self.corners[0]);
+        let side = dot_scalar(self.normal, &d0);
+        let doubt = L::splat(self.normal_size * (FORM_ERRORS * L::ROUNDOFF)).mul(largest(&d0));
+        let (positive, negative) = self.sides::<L, P>(first, wanted, side, doubt, fallbacks);
+        let mut alive = if E == 3 { positive } else { positive | negative };
+        if alive == 0 {
+            return 0;
+        }
+        let flipped = if E == 3 { 0 } else { negative };
+        lines.flipped |= flipped << first;
+        let g = from_p(self.grid.light.origin);
+        let reach = largest(&g).add(L::splat(self.grid.reach));
+        let mut k = 0;
+        while k < 3 {
+            let d = if k == 0 { d0 } else { from_p(self.corners[k]) };
+            let e = self.edges[k];
+            let n = cross_scalar(&d, e);
+            let size = one_norm(&d).mul(L::splat(sum_of_magnitudes(e)));
+            let form = Form {
+                at_origin: dot(&n, &g),
+                per_row: dot_scalar(self.grid.step_v, &n),
+                per_column: dot_scalar(self.grid.step_u, &n),
+                size,
+                reach,
+            };
+            alive &= self.line::<L, P, E>(k, first, form, lines);
+            if alive == 0 {
+                return 0;
+            }
+            k += 1;
+        }
+        if E == 4 {
+            alive &= self.line::<L, P, E>(3, first, self.own_form(), lines);
+        }
+        alive
+    }
+
+    /// Which of the `wanted` lanes block from the positive, and which from the negative side of the triangle's plane.
+    #[inline(always)]
+    fn sides<L: Lanes, P: PrecisionMode>(
+        &self,
+        first: usize,
+        wanted: u32,
+        side: L,
+        doubt: L,
+        fallbacks: &mut u64,
+    ) -> (u32, u32) {
+        if !P::CERTIFIED {
+            let positive = L::bits(side.ge(L::splat(f32::MIN_POSITIVE)));
+            return (wanted & positive, wanted & !positive);
+        }
+        let not_positive = L::bits(doubt.ge(side));
+        let not_negative = L::bits(side.ge(L::splat(0.0).sub(doubt)));
+        let (mut positive, mut negative) = (wanted & !not_positive, wanted & !not_negative);
+        let mut unsure = wanted & not_positive & not_negative;
+        while unsure != 0 {
+            let lane = unsure.trailing_zeros() as usize;
+            unsure &= unsure - 1;
+            *fallbacks += 1;
+            let sign = exact::far_side::<Wide>(self.receivers.point(first + lane), self.corners);
+            positive |= ((sign > 0) as u32) << lane;
+            negative |= ((sign < 0) as u32) << lane;
+        }
+        (positive, negative)
+    }
+
+    /// The plane of the triangle itself, which is the same for all receivers.
+    #[inline(always)]
+    fn own_form<L: Lanes>(&self) -> Form<L> {
+        let g = float(self.grid.light.origin - self.corners[0]);
+        let reach = g.abs().max_element() * (1.0 + 4.0 * f32::EPSILON) + self.grid.reach;
+        Form {
+            at_origin: L::splat(self.normal.dot(g)),
+            per_row: L::splat(self.normal.dot(self.grid.step_v)),
+            per_column: L::splat(self.normal.dot(self.grid.step_u)),
+            size: L::splat(self.normal_size),
+            reach: L::splat(reach),
+        }
+    }
+
+    /// Turns one form into a line, writes it, and returns the lanes of which a sample may be on the blocked side.
+    #[inline(always)]
+    fn line<L: Lanes, P: PrecisionMode, const E: usize>(
+        &self,
+        k: usize,
+        first: usize,
+        form: Form<L>,
+        lines: &mut Lines<E>,
+    ) -> u32 {
+        let zero = L::splat(0.0);
+        let oriented = |x: L| {
+            if E == 3 {
+                return x;
+            }
+            // Lanes whose receiver is on the other side see the planes turned round.
+            let mut signs = [1.0_f32; TILE];
+            let mut lane = 0;
+            while lane < TILE {
+                if lines.flipped >> lane & 1 == 1 {
+                    signs[lane] = -1.0;
+                }
+                lane += 1;
+            }
+            x.mul(L::load(&signs, first))
+        };
+        let (a, c, b) = (oriented(form.at_origin), oriented(form.per_row), oriented(form.per_column));
+        // A receiver on the edge's own vertex has a size of zero, and so no bound: one lattice unit is the least.
+        let size = form.size.max(L::splat(1.0));
+        let bound = size.mul(form.reach).mul(L::splat(COLUMN_ERRORS * L::ROUNDOFF));
+        let least = size.mul(L::splat(self.grid.largest_u * (FORM_ERRORS * L::ROUNDOFF)));
+        let magnitude = b.abs().max(least);
+        let lower = b.ge(zero);
+        let inverse = magnitude.recip();
+        let signed = L::select(lower, zero.sub(inverse), inverse);
+        let (at_origin, slope) = (a.mul(signed), c.mul(signed));
+        slope.store(&mut lines.slope[k], first);
+        if P::CERTIFIED {
+            let delta = bound.mul(inverse);
+            let inward = L::select(lower, delta, zero.sub(delta));
+            at_origin.add(inward).store(&mut lines.inner[k], first);
+            at_origin.sub(inward).store(&mut lines.outer[k], first);
+        } else {
+            at_origin.store(&mut lines.inner[k], first);
+        }
+        lines.lower[k] |= L::bits(lower) << first;
+        // The form's largest value over the grid.
+        let rise = c.mul(L::splat(self.grid.last_row)).max(zero);
+        let most = a.add(rise).add(b.mul(L::splat(self.grid.last_column)).max(zero));
+        L::bits(if P::CERTIFIED { most.add(bound).ge(zero) } else { most.ge(zero) })
+    }
+}
+
+/// The lowest `n` bits; `n ≤ 16`.
+#[inline(always)]
+const fn low_bits(n: usize) -> u32 {
+    (1 << n) - 1
+}
+
+#[inline(always)]
+fn dot<L: Lanes>(a: &[L; 3], b: &[L; 3]) -> L {
+    a[0].mul(b[0]).add(a[1].mul(b[1])).add(a[2].mul(b[2]))
+}
+
+#[inline(always)]
+fn dot_scalar<L: Lanes>(a: Vec3, b: &[L; 3]) -> L {
+    dot(&[L::splat(a.x), L::splat(a.y), L::splat(a.z)], b)
+}
+
+/// `d × e`.
+#[inline(always)]
+fn cross_scalar<L: Lanes>(d: &[L; 3], e: Vec3) -> [L; 3] {
+    let (x, y, z) = (L::splat(e.x), L::splat(e.y), L::splat(e.z));
+    [d[1].mul(z).sub(d[2].mul(y)), d[2].mul(x).sub(d[0].mul(z)), d[0].mul(y).sub(d[1].mul(x))]
+}
+
+#[inline(always)]
+fn one_norm<L: Lanes>(d: &[L; 3]) -> L {
+    d[0].abs().add(d[1].abs()).add(d[2].abs())
+}
+
+#[inline(always)]
+fn largest<L: Lanes>(d: &[L; 3]) -> L {
+    d[0].abs().max(d[1].abs()).max(d[2].abs())
+}

@@ -1,0 +1,91 @@
+//! The light's own frame: oblique axes along its two edges, and the normal. In it projection and binning are
+//! axis-aligned, for parallelograms too.
+//!
+//! Frame coordinates of a lattice point: `a` in columns and `b` in rows (sample (i, j) sits at a = j, b = i, w = 0), and
+//! the height `w` above the light plane in lattice units, positive on the lit side. They are float, and so never decide
+//! a bit: every use carries the error bound of [`FramePoint`].
+
+use glam::{DVec3, IVec3, Vec3};
+
+use crate::light::LatticeLight;
+
+/// The frame of one light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct LightFrame {
+    /// Lattice point of sample (0, 0).
+    pub origin: IVec3,
+    /// Columns per lattice unit: `a = along_u·(p − origin)`.
+    pub along_u: Vec3,
+    /// Rows per lattice unit.
+    pub along_v: Vec3,
+    /// Unit normal.
+    pub normal: Vec3,
+    /// `a` of the last column: the samples span `0..=last_column`.
+    pub last_column: f32,
+    /// `b` of the last row.
+    pub last_row: f32,
+    /// Lattice units per column, and per row: turns slopes into tangents.
+    pub scale: [f32; 2],
+}
+
+/// A point in a light's frame, with bounds on the absolute error of each coordinate.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FramePoint {
+    /// Columns.
+    pub a: f32,
+    /// Rows.
+    pub b: f32,
+    /// Height above the light plane, lattice units.
+    pub w: f32,
+    /// Error bound of `a`.
+    pub error_a: f32,
+    /// Error bound of `b`.
+    pub error_b: f32,
+    /// Error bound of `w`.
+    pub error_w: f32,
+}
+
+/// Relative error of a dot product of rounded axes and rounded differences, against the sum over absolute values:
+/// one rounding each for the axis and the difference, one for the product, two for the sums, with 2^-23 each for any
+/// rounding direction; and one more for the bound's own arithmetic, and one to spare.
+const DOT_ERROR: f32 = 7.0 * f32::EPSILON;
+
+impl LightFrame {
+    /// Computed on the host, in f64, and rounded once to f32.
+    pub fn new(light: &LatticeLight) -> Self {
+        let (u, v) = (light.step_u.as_dvec3(), light.step_v.as_dvec3());
+        let n = u.cross(v);
+        let along_u = v.cross(n) / u.dot(v.cross(n));
+        let along_v = n.cross(u) / v.dot(n.cross(u));
+        let unit = n / n.length();
+        let to_f32 = |d: DVec3| d.as_vec3();
+        Self {
+            origin: light.origin,
+            along_u: to_f32(along_u),
+            along_v: to_f32(along_v),
+            normal: to_f32(unit),
+            last_column: (light.columns - 1) as f32,
+            last_row: (light.rows - 1) as f32,
+            scale: [u.length() as f32, v.length() as f32],
+        }
+    }
+
+    /// Where a lattice point lies in this frame.
+    #[inline]
+    pub fn place(&self, p: IVec3) -> FramePoint {
+        let d = p - self.origin;
+        let d = Vec3::new(d.x as f32, d.y as f32, d.z as f32);
+        let (a, error_a) = dot(self.along_u, d);
+        let (b, error_b) = dot(self.along_v, d);
+        let (w, error_w) = dot(self.normal, d);
+        FramePoint { a, b, w, error_a, error_b, error_w }
+    }
+}
+
+/// A dot product and a bound on its error.
+#[inline(always)]
+fn dot(axis: Vec3, d: Vec3) -> (f32, f32) {
+    let (x, y, z) = (axis.x * d.x, axis.y * d.y, axis.z * d.z);
+    (x + y + z, DOT_ERROR * (x.abs() + y.abs() + z.abs()))
+}

@@ -1,0 +1,110 @@
+//! The default index: a hierarchy over the triangles whose nodes answer the full-coverage test for groups of receivers.
+//!
+//! The paper's grid (section 3.1) pairs triangles and receivers through the cells of a plane. Its extent explodes when
+//! a receiver nears the light plane, and triangles that reach that plane cover every cell. Here the test itself is
+//! indexed instead: triangles in Morton order, [`TILE`] to a node and so on upwards, a node's keys the largest of its
+//! entries'. There is no topology to store, a level is one pass over the one below, and moved vertices only need
+//! the passes again.
+
+use crate::{
+    lanes::{Lanes, TILE},
+    proj4::{KeyTile, Keys},
+};
+
+/// Most levels: 16^8 triangles.
+pub const MAX_LEVELS: usize = 8;
+
+/// Where the levels of a hierarchy lie in one array of tiles; level 0 holds the triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
+pub struct Levels {
+    starts: [u32; MAX_LEVELS + 1],
+    count: u32,
+}
+
+impl Levels {
+    /// The layout for `entries` triangles, fewer than 2^32 − 16. No triangles, no levels.
+    pub fn of(entries: u32) -> Self {
+        let mut levels = Self::default();
+        let mut tiles = entries.div_ceil(TILE as u32);
+        while tiles > 0 && (levels.count as usize) < MAX_LEVELS {
+            let level = levels.count as usize;
+            levels.starts[level + 1] = levels.starts[level] + tiles;
+            levels.count += 1;
+            if tiles == 1 {
+                break;
+            }
+            tiles = tiles.div_ceil(TILE as u32);
+        }
+        levels
+    }
+
+    /// Number of levels.
+    pub fn count(&self) -> usize {
+        self.count as usize
+    }
+
+    /// Tiles of all levels together.
+    pub fn tiles(&self) -> usize {
+        self.starts[self.count as usize % (MAX_LEVELS + 1)] as usize
+    }
+
+    /// The tiles of one level, as a range of the array; empty where there is no such level.
+    pub fn range(&self, level: usize) -> core::ops::Range<usize> {
+        if level < self.count() { self.starts[level] as usize..self.starts[level + 1] as usize } else { 0..0 }
+    }
+}
+
+/// Walks the triangles that may block something from a group of receivers, nearest in the order first.
+///
+/// A walk stops for good once it has returned `None`.
+#[derive(Clone, Copy, Debug)]
+pub struct Walk {
+    tile: [u32; MAX_LEVELS],
+    bits: [u32; MAX_LEVELS],
+    level: usize,
+    levels: Levels,
+}
+
+impl Walk {
+    /// Starts at the root.
+    #[inline(always)]
+    pub fn new<L: Lanes>(levels: &Levels, tiles: &[KeyTile], need: &Keys) -> Self {
+        let mut walk = Self { tile: [0; MAX_LEVELS], bits: [0; MAX_LEVELS], level: levels.count(), levels: *levels };
+        if levels.count() > 0 {
+            walk.enter::<L>(levels.count() - 1, 0, tiles, need);
+        }
+        walk
+    }
+
+    #[inline(always)]
+    fn enter<L: Lanes>(&mut self, level: usize, tile: u32, tiles: &[KeyTile], need: &Keys) {
+        let l = level % MAX_LEVELS;
+        self.level = level;
+        self.tile[l] = tile;
+        self.bits[l] = match tiles.get((self.levels.starts[l] + tile) as usize) {
+            Some(keys) => keys.dominating::<L>(need),
+            None => 0,
+        };
+    }
+
+    /// The next tile of triangles of which some may block something: its index, and the bits of those.
+    #[inline(always)]
+    pub fn next<L: Lanes>(&mut self, tiles: &[KeyTile], need: &Keys) -> Option<(u32, u32)> {
+        while self.level < self.levels.count() {
+            let l = self.level % MAX_LEVELS;
+            let bits = self.bits[l];
+            if bits == 0 {
+                self.level += 1;
+            } else if l == 0 {
+                self.bits[0] = 0;
+                return Some((self.tile[0], bits));
+            } else {
+                self.bits[l] = bits & (bits - 1);
+                let entry = self.tile[l] * TILE as u32 + bits.trailing_zeros();
+                self.enter::<L>(l - 1, entry, tiles, need);
+            }
+        }
+        None
+    }
+}

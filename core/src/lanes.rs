@@ -1,0 +1,287 @@
+//! The few operations that row and plane arithmetic needs, over any number of lanes: one value on a GPU thread, sixteen
+//! on a CPU core. One source serves both; executors bring implementations for their instruction sets.
+//!
+//! Data that lanes walk over is stored in tiles of [`TILE`] values. A vector of [`Lanes::WIDTH`] lanes covers the lanes
+//! `first..first + WIDTH` of a tile.
+
+/// Receivers of a group, children of a node, rows of a chunk: everything comes in tiles of this many.
+pub const TILE: usize = 16;
+
+/// A vector of f32 lanes with the masks and integers that go with it.
+///
+/// Results need not be the same on all implementations: whatever decides a bit is certified with
+/// [`Lanes::ROUNDOFF`]. No operation receives or produces NaN or an infinity.
+pub trait Lanes: Copy {
+    /// Lanes a vector; a divisor of [`TILE`].
+    const WIDTH: usize;
+    /// Largest relative error of one operation, and of the conversion of an integer.
+    const ROUNDOFF: f32;
+    /// A vector of i32.
+    type Ints: Copy;
+    /// One truth value a lane.
+    type Mask: Copy;
+
+    /// The same value in all lanes.
+    fn splat(x: f32) -> Self;
+    /// The same integer in all lanes.
+    fn splat_int(x: i32) -> Self::Ints;
+    /// Lanes `first..first + WIDTH` of a tile; `first` is a multiple of `WIDTH` below [`TILE`].
+    fn load(tile: &[f32; TILE], first: usize) -> Self;
+    /// As [`Lanes::load`], of integers.
+    fn load_ints(tile: &[i32; TILE], first: usize) -> Self::Ints;
+    /// Writes lanes `first..first + WIDTH` of a tile.
+    fn store(self, tile: &mut [f32; TILE], first: usize);
+    /// As [`Lanes::store`], of integers.
+    fn store_ints(ints: Self::Ints, tile: &mut [i32; TILE], first: usize);
+    /// `first, first + 1, …`
+    fn count_from(first: usize) -> Self;
+    /// `a − b` as a float; the integer difference is exact (below 2^31 in magnitude).
+    fn difference(a: Self::Ints, b: Self::Ints) -> Self;
+    /// `self + other`.
+    fn add(self, other: Self) -> Self;
+    /// `self − other`.
+    fn sub(self, other: Self) -> Self;
+    /// `self · other`.
+    fn mul(self, other: Self) -> Self;
+    /// `1 / self`, to within 3 [`Lanes::ROUNDOFF`].
+    fn recip(self) -> Self;
+    /// `|self|`.
+    fn abs(self) -> Self;
+    /// The smaller.
+    fn min(self, other: Self) -> Self;
+    /// The larger.
+    fn max(self, other: Self) -> Self;
+    /// `self ≥ other`.
+    fn ge(self, other: Self) -> Self::Mask;
+    /// Both.
+    fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// `a` where the mask is set, else `b`.
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
+    /// Bit l is lane l.
+    fn bits(mask: Self::Mask) -> u32;
+    /// The smallest integer not below; `|self| ≤ 2^20`.
+    fn ceil(self) -> Self::Ints;
+    /// The largest integer not above; `|self| ≤ 2^20`.
+    fn floor(self) -> Self::Ints;
+    /// Bit l is set where the integers of lane l differ.
+    fn differ(a: Self::Ints, b: Self::Ints) -> u32;
+}
+
+/// One lane: a GPU thread, or plain scalar code. The roundoff is that of any conforming GPU, whose rounding direction
+/// is unspecified.
+impl Lanes for f32 {
+    const WIDTH: usize = 1;
+    const ROUNDOFF: f32 = f32::EPSILON;
+    type Ints = i32;
+    type Mask = bool;
+
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        x
+    }
+    #[inline(always)]
+    fn splat_int(x: i32) -> i32 {
+        x
+    }
+    #[inline(always)]
+    fn load(tile: &[f32; TILE], first: usize) -> Self {
+        tile[first % TILE]
+    }
+    #[inline(always)]
+    fn load_ints(tile: &[i32; TILE], first: usize) -> i32 {
+        tile[first % TILE]
+    }
+    #[inline(always)]
+    fn store(self, tile: &mut [f32; TILE], first: usize) {
+        tile[first % TILE] = self;
+    }
+    #[inline(always)]
+    fn store_ints(ints: i32, tile: &mut [i32; TILE], first: usize) {
+        tile[first % TILE] = ints;
+    }
+    #[inline(always)]
+    fn count_from(first: usize) -> Self {
+        first as f32
+    }
+    #[inline(always)]
+    fn difference(a: i32, b: i32) -> Self {
+        a.wrapping_sub(b) as f32
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self + other
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self - other
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self * other
+    }
+    #[inline(always)]
+    fn recip(self) -> Self {
+        1.0 / self
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        if self < 0.0 { -self } else { self }
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        if self > other { self } else { other }
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> bool {
+        self >= other
+    }
+    #[inline(always)]
+    fn both(a: bool, b: bool) -> bool {
+        a & b
+    }
+    #[inline(always)]
+    fn select(mask: bool, a: Self, b: Self) -> Self {
+        if mask { a } else { b }
+    }
+    #[inline(always)]
+    fn bits(mask: bool) -> u32 {
+        mask as u32
+    }
+    #[inline(always)]
+    fn ceil(self) -> i32 {
+        let t = self as i32;
+        t + ((t as f32) < self) as i32
+    }
+    #[inline(always)]
+    fn floor(self) -> i32 {
+        let t = self as i32;
+        t - ((t as f32) > self) as i32
+    }
+    #[inline(always)]
+    fn differ(a: i32, b: i32) -> u32 {
+        (a != b) as u32
+    }
+}
+
+/// Sixteen lanes in plain arrays: what the compiler vectorises for instruction sets without an implementation of their
+/// own. Rounds to nearest, as Rust does everywhere.
+#[derive(Clone, Copy, Debug)]
+pub struct Sixteen([f32; TILE]);
+
+macro_rules! each {
+    ($k:ident => $value:expr) => {{
+        let mut out = [Default::default(); TILE];
+        let mut $k = 0;
+        while $k < TILE {
+            out[$k] = $value;
+            $k += 1;
+        }
+        out
+    }};
+}
+
+impl Lanes for Sixteen {
+    const WIDTH: usize = TILE;
+    const ROUNDOFF: f32 = f32::EPSILON / 2.0;
+    type Ints = [i32; TILE];
+    type Mask = [bool; TILE];
+
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        Self([x; TILE])
+    }
+    #[inline(always)]
+    fn splat_int(x: i32) -> Self::Ints {
+        [x; TILE]
+    }
+    #[inline(always)]
+    fn load(tile: &[f32; TILE], _: usize) -> Self {
+        Self(*tile)
+    }
+    #[inline(always)]
+    fn load_ints(tile: &[i32; TILE], _: usize) -> Self::Ints {
+        *tile
+    }
+    #[inline(always)]
+    fn store(self, tile: &mut [f32; TILE], _: usize) {
+        *tile = self.0;
+    }
+    #[inline(always)]
+    fn store_ints(ints: Self::Ints, tile: &mut [i32; TILE], _: usize) {
+        *tile = ints;
+    }
+    #[inline(always)]
+    fn count_from(first: usize) -> Self {
+        Self(each!(k => (first + k) as f32))
+    }
+    #[inline(always)]
+    fn difference(a: Self::Ints, b: Self::Ints) -> Self {
+        Self(each!(k => a[k].wrapping_sub(b[k]) as f32))
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(each!(k => self.0[k] + other.0[k]))
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(each!(k => self.0[k] - other.0[k]))
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self(each!(k => self.0[k] * other.0[k]))
+    }
+    #[inline(always)]
+    fn recip(self) -> Self {
+        Self(each!(k => 1.0 / self.0[k]))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(each!(k => self.0[k].abs()))
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        Self(each!(k => Lanes::min(self.0[k], other.0[k])))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        Self(each!(k => Lanes::max(self.0[k], other.0[k])))
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self::Mask {
+        each!(k => self.0[k] >= other.0[k])
+    }
+    #[inline(always)]
+    fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        each!(k => a[k] & b[k])
+    }
+    #[inline(always)]
+    fn select(mask: Self::Mask, a: Self, b: Self) -> Self {
+        Self(each!(k => if mask[k] { a.0[k] } else { b.0[k] }))
+    }
+    #[inline(always)]
+    fn bits(mask: Self::Mask) -> u32 {
+        let mut bits = 0;
+        let mut k = 0;
+        while k < TILE {
+            bits |= (mask[k] as u32) << k;
+            k += 1;
+        }
+        bits
+    }
+    #[inline(always)]
+    fn ceil(self) -> Self::Ints {
+        each!(k => Lanes::ceil(self.0[k]))
+    }
+    #[inline(always)]
+    fn floor(self) -> Self::Ints {
+        each!(k => Lanes::floor(self.0[k]))
+    }
+    #[inline(always)]
+    fn differ(a: Self::Ints, b: Self::Ints) -> u32 {
+        Self::bits(each!(k => a[k] != b[k]))
+    }
+}

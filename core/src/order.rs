@@ -1,0 +1,71 @@
+//! The order in which receivers are grouped and triangles are packed into the hierarchy: along a Morton curve through
+//! the light's view, with depth. Order decides speed, never a bit.
+
+use crate::{lanes::Lanes, proj4::Keys};
+
+/// A triangle or receiver to be put in order: by code, then by index, so that the order is the same everywhere.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Entry {
+    /// Place on the curve; [`Entry::ABSENT`] for what takes no part.
+    pub code: u32,
+    /// Index of the triangle or receiver.
+    pub index: u32,
+}
+
+impl Entry {
+    /// Code of what takes no part: comes last.
+    pub const ABSENT: u32 = u32::MAX;
+}
+
+/// Maps the slopes that occur in a scene to the range of a code.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub struct CodeFrame {
+    /// Tangents in the middle of the scene, along columns and rows.
+    pub center: [f32; 2],
+    /// One over the typical distance from the middle, tangents.
+    pub inverse_spread: f32,
+    /// Lattice units per column and per row.
+    pub scale: [f32; 2],
+}
+
+impl CodeFrame {
+    /// The frame for slopes around a middle, with their typical distance from it.
+    pub fn new(scale: [f32; 2], center: [f32; 2], spread: f32) -> Self {
+        Self { center, inverse_spread: 1.0 / Lanes::max(spread, 1.0e-6), scale }
+    }
+}
+
+/// The tangents of the middle of an entry, seen from the light's middle.
+#[inline]
+pub fn tangents(keys: &Keys, scale: [f32; 2]) -> [f32; 2] {
+    [(keys[0] - keys[1]) * 0.5 * scale[0], (keys[2] - keys[3]) * 0.5 * scale[1]]
+}
+
+/// The code of an entry: 10 bits each of both tangents, squeezed so that all of space fits, and of the logarithm of the
+/// height, interleaved.
+#[inline]
+pub fn code(frame: &CodeFrame, keys: &Keys) -> u32 {
+    let t = tangents(keys, frame.scale);
+    let squeeze = |t: f32, center: f32| {
+        let x = (t - center) * frame.inverse_spread;
+        let unit = 0.5 + 0.5 * x / (1.0 + x.abs());
+        let cell = (unit * 1024.0) as u32;
+        if cell < 1023 { cell } else { 1023 }
+    };
+    // Heights from 1 to 2^32 lattice units: five bits of exponent, five of mantissa.
+    let height = if keys[4] < -1.0 { -keys[4] } else { 1.0 };
+    let depth = height.to_bits().wrapping_sub(0x3f80_0000) >> 18;
+    let depth = if depth < 1023 { depth } else { 1023 };
+    spread(squeeze(t[0], frame.center[0])) << 2 | spread(squeeze(t[1], frame.center[1])) << 1 | spread(depth)
+}
+
+/// Moves bit n to bit 3n; of 10 bits.
+#[inline]
+fn spread(x: u32) -> u32 {
+    let x = (x | x << 16) & 0x0300_00ff;
+    let x = (x | x << 8) & 0x0300_f00f;
+    let x = (x | x << 4) & 0x030c_30c3;
+    (x | x << 2) & 0x0924_9249
+}

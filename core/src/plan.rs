@@ -1,0 +1,119 @@
+//! The plan: which stages run, looking at what the scene has. What it does not call for is not run, not bound and not
+//! allocated. A plan prints itself.
+
+use core::fmt;
+
+use crate::{executor::Executor, hierarchy::Levels, stage::Stage};
+
+/// Cheap, exact facts about one run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SceneFacts {
+    /// Vertices to be snapped in this run; 0 where the scene is on the lattice already.
+    pub new_vertices: u32,
+    /// Triangles.
+    pub triangles: u32,
+    /// Receivers.
+    pub receivers: u32,
+    /// Whether the receivers come as world positions, to be snapped in this run.
+    pub world_receivers: bool,
+    /// Whether visibility is asked for.
+    pub visibility: bool,
+    /// Most receivers to be worked on at once: bounds the memory of a run. At least 1.
+    pub block: u32,
+}
+
+/// One dispatch of one stage.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pass {
+    /// The stage.
+    pub stage: Stage,
+    /// Ids it runs for: `0..count`.
+    pub count: u32,
+    /// First receiver of the block, for the stages of receivers; the level, for [`Stage::BuildLevel`]; else 0.
+    pub first: u32,
+}
+
+/// The passes of one run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    facts: SceneFacts,
+    levels: Levels,
+}
+
+impl Plan {
+    /// Decides what runs.
+    pub fn new(facts: SceneFacts) -> Self {
+        Self { facts, levels: Levels::of(facts.triangles) }
+    }
+
+    /// The facts it was made from.
+    pub fn facts(&self) -> &SceneFacts {
+        &self.facts
+    }
+
+    /// Layout of the hierarchy.
+    pub fn levels(&self) -> &Levels {
+        &self.levels
+    }
+
+    /// Hands every pass to the executor, in order.
+    ///
+    /// # Errors
+    /// The first that the executor reports; no later pass is run.
+    pub fn run<E: Executor>(&self, executor: &mut E) -> Result<(), E::Error> {
+        let facts = &self.facts;
+        if facts.receivers == 0 {
+            return Ok(());
+        }
+        let mut once = |stage, count, first| {
+            if count > 0 { executor.dispatch(&Pass { stage, count, first }) } else { Ok(()) }
+        };
+        once(Stage::SnapVertices, facts.new_vertices, 0)?;
+        once(Stage::KeyTriangles, facts.triangles, 0)?;
+        once(Stage::OrderTriangles, facts.triangles, 0)?;
+        for level in 1..self.levels.count() {
+            once(Stage::BuildLevel, self.levels.range(level).len() as u32, level as u32)?;
+        }
+        let mut first = 0;
+        while first < facts.receivers {
+            let count = facts.block.max(1).min(facts.receivers - first);
+            once(Stage::SnapReceivers, if facts.world_receivers { count } else { 0 }, first)?;
+            once(Stage::KeyReceivers, count, first)?;
+            once(Stage::OrderReceivers, count, first)?;
+            once(Stage::Resolve, count.div_ceil(crate::lanes::TILE as u32), first)?;
+            once(Stage::Reduce, if facts.visibility { count } else { 0 }, first)?;
+            first += count;
+        }
+        Ok(())
+    }
+
+    /// Why a stage runs or does not, in a few words.
+    pub fn reason(&self, stage: Stage) -> (bool, &'static str) {
+        let facts = &self.facts;
+        let (work, triangles) = (facts.receivers > 0, facts.triangles > 0);
+        match stage {
+            _ if !work => (false, "no receivers"),
+            Stage::SnapVertices if facts.new_vertices == 0 => (false, "the scene is on the lattice already"),
+            Stage::SnapVertices => (true, "new vertices"),
+            Stage::SnapReceivers if !facts.world_receivers => (false, "the receivers are on the lattice already"),
+            Stage::SnapReceivers => (true, "receivers in world space"),
+            Stage::KeyTriangles | Stage::OrderTriangles if !triangles => (false, "no triangles"),
+            Stage::KeyTriangles | Stage::OrderTriangles => (true, "triangles to index"),
+            Stage::BuildLevel if self.levels.count() < 2 => (false, "one node holds all triangles"),
+            Stage::BuildLevel => (true, "more triangles than a node holds"),
+            Stage::KeyReceivers | Stage::OrderReceivers | Stage::Resolve => (true, "receivers to shadow"),
+            Stage::Reduce if !facts.visibility => (false, "masks only"),
+            Stage::Reduce => (true, "visibility is asked for"),
+        }
+    }
+}
+
+impl fmt::Display for Plan {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for info in &crate::stage::TABLE {
+            let (runs, reason) = self.reason(info.stage);
+            writeln!(f, "{} {:<16} {reason}", if runs { "+" } else { "-" }, info.name)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,212 @@
+//! The generalised projection of points and triangles, and the full-coverage test.
+//!
+//! Seed: Wang et al. 2016, section 3.1 (Proj4), 3.2 (full coverage), appendix (proof). Proj4(A) is the rectangle on a
+//! plane P that A's projections fill as the centre of projection moves over the light. With A at (a, b, w) in the light's
+//! frame and P at height W it spans, along the columns, `[last + W·(a − last)/w, W·a/w]`: the ends seen from the last
+//! and the first column. Whether one such rectangle lies inside another depends on the two *slopes* `a/w` and
+//! `(a − last)/w` alone, not on W. So no plane is needed for the test, and a point is described by its slopes.
+//!
+//! **Full coverage.** If triangle t blocks any sample of the light from receiver s, then Proj4(s) lies inside the box of
+//! t's vertices' Proj4, and t has a point nearer to the light plane than s. In slopes, along the columns:
+//! `max over t of a/w ≥ s.a/s.w` and `min over t of (a − last)/w ≤ (s.a − last)/s.w`; along the rows the same.
+//! *Proof.* The segment from s to the sample meets t in a point A with `0 < A.w < s.w` (strictly: neither end lies in
+//! t's plane). A lies in the pyramid from s over the samples' hull, whose side through column 0 is `x/w = s.a/s.w`; so
+//! `A.a/A.w ≥ s.a/s.w`, and the part of t above the light plane has a vertex, or a limit at the plane, with as large a
+//! slope. The other sides are alike. ∎
+//!
+//! Five comparisons with nothing computed at test time: the condition is that the triangle's [`Keys`] *dominate* the
+//! receiver's. Maxima of triangles' keys and minima of receivers' keys keep the property, so the same test serves
+//! nodes of a hierarchy and groups of receivers. Rounding is taken care of when keys are made: a triangle's are rounded
+//! up, a receiver's down, so that no relevant pair is ever dropped.
+
+use glam::IVec3;
+
+use crate::{
+    frame::{FramePoint, LightFrame},
+    lanes::{Lanes, TILE},
+};
+
+/// Number of comparisons that make the full-coverage test.
+pub const KEYS: usize = 5;
+
+/// Stands for an infinite slope.
+pub const UNBOUNDED: f32 = 1.0e30;
+
+/// Key of an entry that does not exist: dominates no receiver, not even one that asks for nothing.
+pub const NOTHING: [f32; KEYS] = [f32::MIN; KEYS];
+
+/// Heights below this many lattice units count as touching the light plane: their slopes would overflow.
+const TOUCHING: f32 = 1.0e-3;
+
+/// What a triangle offers, or a receiver asks for: slopes seen from the first column, from the last column (negated),
+/// from the first row, from the last row (negated), and the height above the light plane (negated).
+pub type Keys = [f32; KEYS];
+
+/// Keys of sixteen entries: key-major, so that lanes compare all entries at once.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct KeyTile {
+    /// `keys[k][entry]`.
+    pub keys: [[f32; TILE]; KEYS],
+}
+
+impl KeyTile {
+    /// Sixteen entries that do not exist.
+    pub const NOTHING: Self = Self { keys: [[f32::MIN; TILE]; KEYS] };
+
+    /// The keys of one entry; `entry < TILE`.
+    #[inline(always)]
+    pub fn entry(&self, entry: usize) -> Keys {
+        let e = entry % TILE;
+        [self.keys[0][e], self.keys[1][e], self.keys[2][e], self.keys[3][e], self.keys[4][e]]
+    }
+
+    /// Sets one entry; `entry < TILE`.
+    #[inline(always)]
+    pub fn set(&mut self, entry: usize, keys: &Keys) {
+        let mut k = 0;
+        while k < KEYS {
+            self.keys[k][entry % TILE] = keys[k];
+            k += 1;
+        }
+    }
+
+    /// Which of the sixteen entries (triangles, or nodes) may block something from a receiver, or group, with `need`.
+    #[inline(always)]
+    pub fn dominating<L: Lanes>(&self, need: &Keys) -> u32 {
+        let mut bits = 0;
+        let mut first = 0;
+        while first < TILE {
+            let ge = |k: usize| L::load(&self.keys[k], first).ge(L::splat(need[k]));
+            let sides = L::both(L::both(ge(0), ge(1)), L::both(ge(2), ge(3)));
+            bits |= L::bits(L::both(sides, ge(4))) << first;
+            first += L::WIDTH;
+        }
+        bits
+    }
+
+    /// Which of sixteen receivers a triangle with the keys `reach` may block something from.
+    #[inline(always)]
+    pub fn dominated_by<L: Lanes>(&self, reach: &Keys) -> u32 {
+        let mut bits = 0;
+        let mut first = 0;
+        while first < TILE {
+            let ge = |k: usize| L::splat(reach[k]).ge(L::load(&self.keys[k], first));
+            let sides = L::both(L::both(ge(0), ge(1)), L::both(ge(2), ge(3)));
+            bits |= L::bits(L::both(sides, ge(4))) << first;
+            first += L::WIDTH;
+        }
+        bits
+    }
+
+    /// The least keys that dominate whatever any entry dominates: a node's keys from its children's.
+    #[inline]
+    pub fn largest(&self) -> Keys {
+        let mut out = NOTHING;
+        let mut k = 0;
+        while k < KEYS {
+            let mut e = 0;
+            while e < TILE {
+                out[k] = Lanes::max(out[k], self.keys[k][e]);
+                e += 1;
+            }
+            k += 1;
+        }
+        out
+    }
+}
+
+/// The greatest keys that are dominated by whatever dominates either: a group's keys from its receivers'.
+#[inline(always)]
+pub fn least(a: &Keys, b: &Keys) -> Keys {
+    let mut out = *a;
+    let mut k = 0;
+    while k < KEYS {
+        out[k] = Lanes::min(a[k], b[k]);
+        k += 1;
+    }
+    out
+}
+
+/// The full-coverage test of one pair: whether the triangle may block something from the receiver.
+#[inline(always)]
+pub fn covers(triangle: &Keys, receiver: &Keys) -> bool {
+    let mut covered = true;
+    let mut k = 0;
+    while k < KEYS {
+        covered &= triangle[k] >= receiver[k];
+        k += 1;
+    }
+    covered
+}
+
+/// An upper bound of `x/w` for x ≤ `x_high` and w in `w_low..=w_high`, `w_low > 0`.
+#[inline(always)]
+fn quotient_above(x_high: f32, w_low: f32, w_high: f32) -> f32 {
+    // Division may be off by 2.5 ulp; 2^-20 also covers the sum that made `x_high`.
+    const SLACK: f32 = 8.0 * f32::EPSILON;
+    let q = x_high / if x_high >= 0.0 { w_low } else { w_high };
+    q + q.abs() * SLACK
+}
+
+/// The keys of a receiver: rounded down. The receiver is in front of the light (that is decided in integers before).
+#[inline]
+pub fn receiver_keys(frame: &LightFrame, p: IVec3) -> Keys {
+    let q = frame.place(p);
+    let (low, high) = (q.w - q.error_w, q.w + q.error_w);
+    if low < TOUCHING {
+        return [-UNBOUNDED, -UNBOUNDED, -UNBOUNDED, -UNBOUNDED, -high];
+    }
+    let below = |x: f32, error: f32| -quotient_above(error - x, low, high);
+    [
+        below(q.a, q.error_a),
+        below(frame.last_column - q.a, q.error_a + frame.last_column * f32::EPSILON),
+        below(q.b, q.error_b),
+        below(frame.last_row - q.b, q.error_b + frame.last_row * f32::EPSILON),
+        -high,
+    ]
+}
+
+/// The keys of a triangle: rounded up. `None` where no point of it lies in front of the light: it blocks nothing.
+///
+/// Where a triangle reaches or crosses the light plane its slopes have no bound, but only on the sides on which it has
+/// a vertex inside: a wall beside the light still offers nothing to receivers on the other side.
+#[inline]
+pub fn triangle_keys(frame: &LightFrame, corners: &[IVec3; 3]) -> Option<Keys> {
+    let points = [frame.place(corners[0]), frame.place(corners[1]), frame.place(corners[2])];
+    let high = |q: &FramePoint| q.w + q.error_w;
+    let low = |q: &FramePoint| q.w - q.error_w;
+    let highest = Lanes::max(high(&points[0]), Lanes::max(high(&points[1]), high(&points[2])));
+    if highest <= 0.0 {
+        return None;
+    }
+    let lowest = Lanes::min(low(&points[0]), Lanes::min(low(&points[1]), low(&points[2])));
+    let touches = lowest < TOUCHING;
+    let mut out = NOTHING;
+    let mut v = 0;
+    while v < 3 {
+        let q = points[v];
+        let x = [
+            q.a + q.error_a,
+            (frame.last_column - q.a) + (q.error_a + frame.last_column * f32::EPSILON),
+            q.b + q.error_b,
+            (frame.last_row - q.b) + (q.error_b + frame.last_row * f32::EPSILON),
+        ];
+        let mut k = 0;
+        while k < 4 {
+            let slope = if touches && x[k] >= 0.0 {
+                UNBOUNDED
+            } else if high(&q) <= 0.0 {
+                // Behind, and outside on this side: towards the light plane the slopes fall without end.
+                f32::MIN
+            } else {
+                quotient_above(x[k], Lanes::max(low(&q), TOUCHING), high(&q))
+            };
+            out[k] = Lanes::max(out[k], slope);
+            k += 1;
+        }
+        v += 1;
+    }
+    out[4] = -lowest;
+    Some(out)
+}

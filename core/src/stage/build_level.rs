@@ -1,0 +1,22 @@
+//! Stage `build_level`: one level of the hierarchy from the one below.
+
+use crate::{
+    lanes::TILE,
+    proj4::{KeyTile, NOTHING},
+};
+
+/// Tile `id` of a level, from the tiles of the level below it.
+#[inline]
+pub fn build_level(id: usize, below: &[KeyTile]) -> KeyTile {
+    let mut tile = KeyTile::NOTHING;
+    let mut entry = 0;
+    while entry < TILE {
+        let keys = match below.get(id * TILE + entry) {
+            Some(child) => child.largest(),
+            None => NOTHING,
+        };
+        tile.set(entry, &keys);
+        entry += 1;
+    }
+    tile
+}

@@ -1,0 +1,174 @@
+//! The stages of the pipeline, one file each: pure functions of an id, parameters and typed slices.
+//!
+//! Data flows one way: lattice → keys → order → hierarchy → masks → visibility. [`TABLE`] lists every stage with what it
+//! reads and writes; executors and tests read that table, so none of it is written twice.
+
+pub mod build_level;
+pub mod key_receivers;
+pub mod key_triangles;
+pub mod reduce;
+pub mod resolve;
+pub mod snap_receivers;
+pub mod snap_vertices;
+
+/// A stage. Executors run it for the ids `0..count` of a [`crate::plan::Pass`], in any order and in parallel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u32)]
+pub enum Stage {
+    /// World → lattice, vertices.
+    SnapVertices,
+    /// World → lattice, receivers, with their self-shadow lift.
+    SnapReceivers,
+    /// Keys and orientation of every triangle; those that block nothing drop out.
+    KeyTriangles,
+    /// Triangles along the curve of [`crate::order`].
+    OrderTriangles,
+    /// One level of the hierarchy from the one below.
+    BuildLevel,
+    /// Keys of every receiver; those behind the light are settled.
+    KeyReceivers,
+    /// Receivers along the curve of [`crate::order`], in groups of sixteen.
+    OrderReceivers,
+    /// Masks of a group of receivers.
+    Resolve,
+    /// Mask → lit count → visibility.
+    Reduce,
+}
+
+/// A buffer that stages share.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u32)]
+pub enum Binding {
+    /// World positions of vertices, f32 × 3.
+    WorldVertices,
+    /// Lattice positions of vertices, i32 × 3.
+    Vertices,
+    /// World positions of receivers, f32 × 3.
+    WorldReceivers,
+    /// Normals of the receivers' surfaces, f32 × 3.
+    Normals,
+    /// Lattice positions of receivers, i32 × 3.
+    Receivers,
+    /// Vertex indices of triangles, u32 × 3.
+    Triangles,
+    /// Keys and code of every triangle.
+    TriangleKeys,
+    /// [`crate::edge_plane::Occluder`]s, in order.
+    Occluders,
+    /// [`crate::proj4::KeyTile`]s of all levels.
+    Nodes,
+    /// Keys and code of every receiver.
+    ReceiverKeys,
+    /// Receivers in order.
+    Groups,
+    /// Mask words, receiver-major.
+    Masks,
+    /// Lit samples of every receiver.
+    LitCounts,
+    /// Lit count → visibility.
+    VisibilityTable,
+    /// Fraction of lit samples, f32.
+    Visibility,
+}
+
+/// One line of the stage table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StageInfo {
+    /// The stage.
+    pub stage: Stage,
+    /// Its name: of the file, of the kernel, in tables.
+    pub name: &'static str,
+    /// What one id stands for.
+    pub id: &'static str,
+    /// Buffers it reads.
+    pub reads: &'static [Binding],
+    /// Buffers it writes.
+    pub writes: &'static [Binding],
+    /// Ids a workgroup (on a CPU: the least number of ids worth a job).
+    pub workgroup: u32,
+}
+
+use Binding as B;
+
+/// All stages, in the order in which data flows.
+pub const TABLE: [StageInfo; 9] = [
+    StageInfo {
+        stage: Stage::SnapVertices,
+        name: "snap_vertices",
+        id: "vertex",
+        reads: &[B::WorldVertices],
+        writes: &[B::Vertices],
+        workgroup: 64,
+    },
+    StageInfo {
+        stage: Stage::SnapReceivers,
+        name: "snap_receivers",
+        id: "receiver",
+        reads: &[B::WorldReceivers, B::Normals],
+        writes: &[B::Receivers],
+        workgroup: 64,
+    },
+    StageInfo {
+        stage: Stage::KeyTriangles,
+        name: "key_triangles",
+        id: "triangle",
+        reads: &[B::Vertices, B::Triangles],
+        writes: &[B::TriangleKeys],
+        workgroup: 64,
+    },
+    StageInfo {
+        stage: Stage::OrderTriangles,
+        name: "order_triangles",
+        id: "triangle",
+        reads: &[B::TriangleKeys],
+        writes: &[B::Occluders, B::Nodes],
+        workgroup: 64,
+    },
+    StageInfo {
+        stage: Stage::BuildLevel,
+        name: "build_level",
+        id: "node",
+        reads: &[B::Nodes],
+        writes: &[B::Nodes],
+        workgroup: 64,
+    },
+    StageInfo {
+        stage: Stage::KeyReceivers,
+        name: "key_receivers",
+        id: "receiver",
+        reads: &[B::Receivers],
+        writes: &[B::ReceiverKeys],
+        workgroup: 64,
+    },
+    StageInfo {
+        stage: Stage::OrderReceivers,
+        name: "order_receivers",
+        id: "receiver",
+        reads: &[B::ReceiverKeys],
+        writes: &[B::Groups],
+        workgroup: 64,
+    },
+    StageInfo {
+        stage: Stage::Resolve,
+        name: "resolve",
+        id: "group of sixteen receivers",
+        reads: &[B::Receivers, B::Groups, B::Occluders, B::Nodes],
+        writes: &[B::Masks],
+        workgroup: 16,
+    },
+    StageInfo {
+        stage: Stage::Reduce,
+        name: "reduce",
+        id: "receiver",
+        reads: &[B::Masks, B::VisibilityTable],
+        writes: &[B::LitCounts, B::Visibility],
+        workgroup: 64,
+    },
+];
+
+impl Stage {
+    /// The stage's line in [`TABLE`].
+    pub const fn info(self) -> &'static StageInfo {
+        &TABLE[self as usize]
+    }
+}

@@ -1,0 +1,172 @@
+//! Stage `resolve`: the masks of a group of sixteen receivers.
+//!
+//! Seed: Wang et al. 2016, Algorithm 3. Lines 2 to 4 (the cells' lists) become a walk over the hierarchy for the whole
+//! group; line 5 is the same test; lines 7 to 17 are `edge_plane` and `row_mask`. A receiver whose mask is full drops
+//! out, and the walk ends with the last of them.
+
+use crate::{
+    edge_plane::{LightGrid, Lines, Occluder, PairPlanes, ReceiverTile},
+    hierarchy::{Levels, Walk},
+    lanes::{Lanes, TILE},
+    light::{LatticeLight, MAX_SAMPLES},
+    mask_word::MaskWord,
+    precision::PrecisionMode,
+    proj4::{KeyTile, Keys, least},
+    row_mask::{self, MaskRows, PairIntegers},
+    statistics::Counts,
+};
+
+/// The triangles of a scene as one light sees them.
+#[derive(Clone, Copy, Debug)]
+pub struct Occlusion<'a> {
+    /// The light.
+    pub grid: &'a LightGrid,
+    /// Layout of `nodes`.
+    pub levels: &'a Levels,
+    /// Keys of all levels; level 0 goes with `occluders`.
+    pub nodes: &'a [KeyTile],
+    /// Triangles, in the order of level 0.
+    pub occluders: &'a [Occluder],
+}
+
+/// Sixteen receivers and their masks.
+#[derive(Clone, Debug)]
+pub struct Group<W> {
+    /// Lattice positions.
+    pub receivers: ReceiverTile,
+    /// What each asks of the full-coverage test.
+    pub needs: KeyTile,
+    /// Bit l: lane l holds a receiver whose mask is not full yet.
+    pub active: u32,
+    /// Their masks. Rows beyond the light's hold full words.
+    pub masks: [MaskRows<W>; TILE],
+    /// Triangles that block at least one sample of each; of a receiver that became full, those met until then.
+    pub relevant: [u32; TILE],
+    /// Sums over the group.
+    pub counts: Counts,
+}
+
+impl<W: MaskWord> Group<W> {
+    /// A group without receivers, for a light with `rows` rows.
+    pub fn empty(rows: u32) -> Self {
+        let mut mask = [W::below(W::BITS); MAX_SAMPLES as usize];
+        for word in mask.iter_mut().take(rows as usize) {
+            *word = W::EMPTY;
+        }
+        Self {
+            receivers: ReceiverTile { axes: [[0; TILE]; 3] },
+            needs: KeyTile::NOTHING,
+            active: 0,
+            masks: [mask; TILE],
+            relevant: [0; TILE],
+            counts: Counts::default(),
+        }
+    }
+}
+
+impl<W: MaskWord> Group<W> {
+    /// Puts a receiver into a lane; without keys it is behind the light, and its mask is full at once. `lane < TILE`.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, point: glam::IVec3, keys: Option<&Keys>, light: &LatticeLight) {
+        let lane = lane % TILE;
+        self.receivers.axes[0][lane] = point.x;
+        self.receivers.axes[1][lane] = point.y;
+        self.receivers.axes[2][lane] = point.z;
+        match keys {
+            Some(keys) => {
+                self.needs.set(lane, keys);
+                self.active |= 1 << lane;
+            }
+            None => self.masks[lane] = [W::below(light.columns); MAX_SAMPLES as usize],
+        }
+    }
+}
+
+/// Fills the masks of a group.
+#[inline(always)]
+pub fn resolve<L: Lanes, W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
+    if group.active == 0 {
+        return;
+    }
+    let need = group_need(group.active, &group.needs);
+    let mut walk = Walk::new::<L>(scene.levels, scene.nodes, &need);
+    let mut lines = Lines::<3>::EMPTY;
+    while let Some((tile, mut bits)) = walk.next::<L>(scene.nodes, &need) {
+        let Some(keys) = scene.nodes.get(tile as usize) else { return };
+        while bits != 0 {
+            let entry = bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            group.counts.pairs_tested += u64::from(group.active.count_ones());
+            let kept = group.needs.dominated_by::<L>(&keys.entry(entry)) & group.active;
+            if kept == 0 {
+                continue;
+            }
+            group.counts.pairs_kept += u64::from(kept.count_ones());
+            let Some(occluder) = scene.occluders.get(tile as usize * TILE + entry) else { return };
+            if occluder.mixed == 0 {
+                resolve_pairs::<L, W, P, 3>(scene.grid, occluder, kept, &mut lines, group);
+            } else {
+                resolve_mixed::<L, W, P>(scene.grid, occluder, kept, group);
+            }
+            if group.active == 0 {
+                return;
+            }
+        }
+    }
+}
+
+/// The least that any active receiver asks for.
+#[inline(always)]
+fn group_need(active: u32, needs: &KeyTile) -> Keys {
+    let mut need = [f32::MAX; crate::proj4::KEYS];
+    let mut lane = 0;
+    while lane < TILE {
+        if active >> lane & 1 == 1 {
+            need = least(&need, &needs.entry(lane));
+        }
+        lane += 1;
+    }
+    need
+}
+
+/// Few triangles have a plane that meets the light. (Inlined all the same: a function of its own would be compiled
+/// without the instruction set that the executor chose.)
+#[inline(always)]
+fn resolve_mixed<L: Lanes, W: MaskWord, P: PrecisionMode>(
+    grid: &LightGrid,
+    occluder: &Occluder,
+    kept: u32,
+    group: &mut Group<W>,
+) {
+    let mut lines = Lines::EMPTY;
+    resolve_pairs::<L, W, P, 4>(grid, occluder, kept, &mut lines, group);
+}
+
+/// One triangle against the receivers in `kept`. `E` planes: the edges', and the triangle's own where it meets the light.
+#[inline(always)]
+pub fn resolve_pairs<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
+    grid: &LightGrid,
+    occluder: &Occluder,
+    kept: u32,
+    lines: &mut Lines<E>,
+    group: &mut Group<W>,
+) {
+    let planes = PairPlanes::new(grid, &group.receivers, occluder);
+    let mut alive = planes.lines::<L, P, E>(kept, lines, &mut group.counts.fallbacks);
+    while alive != 0 {
+        let lane = alive.trailing_zeros() as usize % TILE;
+        alive &= alive - 1;
+        let mut pair = PairIntegers {
+            light: &grid.light,
+            receiver: group.receivers.point(lane),
+            corners: occluder.corners,
+            fallbacks: &mut group.counts.fallbacks,
+        };
+        let filled = row_mask::fill::<L, W, P, E>(lines, lane, &mut pair, &mut group.masks[lane]);
+        group.relevant[lane] += filled.relevant as u32;
+        group.counts.pairs_relevant += filled.relevant as u64;
+        if filled.full {
+            group.active &= !(1 << lane);
+        }
+    }
+}

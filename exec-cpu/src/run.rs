@@ -1,0 +1,174 @@
+//! One run: the stages as rayon jobs, over the buffers of this run.
+
+use std::{convert::Infallible, marker::PhantomData, sync::Mutex, time::Instant};
+
+use rayon::prelude::*;
+use umbra4_core::{
+    Counts, Executor, LatticeLight, MaskWord, Pass, Plan, PrecisionMode,
+    edge_plane::{LightGrid, Occluder},
+    frame::LightFrame,
+    lanes::TILE,
+    order::Entry,
+    proj4::{KeyTile, Keys},
+    stage::{
+        Stage,
+        build_level::build_level,
+        key_receivers::key_receivers,
+        key_triangles::key_triangles,
+        resolve::{Group, Occlusion},
+    },
+};
+
+use crate::{Isa, Occluders, Receivers, Statistics, executor::Answer, order::ordered};
+
+/// Groups a job: enough to pay for the job, few enough to share the work evenly.
+const GROUPS_A_JOB: usize = 16;
+
+/// An executor for one light and one set of receivers. Masks go to `visit` as soon as they are done; reducing them is
+/// the visitor's, so that they need not be stored.
+pub(crate) struct Run<'a, W, P, V> {
+    plan: &'a Plan,
+    isa: Isa,
+    occluders: &'a Occluders,
+    receivers: &'a Receivers,
+    visit: &'a V,
+    grid: LightGrid,
+    frame: LightFrame,
+    triangles: Vec<Option<(Keys, Occluder)>>,
+    in_order: Vec<Occluder>,
+    nodes: Vec<KeyTile>,
+    receiver_keys: Vec<Option<Keys>>,
+    receiver_order: Vec<Entry>,
+    statistics: Statistics,
+    kind: PhantomData<(W, P)>,
+}
+
+impl<'a, W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, P, V> {
+    pub(crate) fn new(
+        plan: &'a Plan,
+        isa: Isa,
+        occluders: &'a Occluders,
+        light: LatticeLight,
+        receivers: &'a Receivers,
+        visit: &'a V,
+    ) -> Self {
+        Self {
+            plan,
+            isa,
+            occluders,
+            receivers,
+            visit,
+            grid: LightGrid::new(light),
+            frame: LightFrame::new(&light),
+            triangles: Vec::new(),
+            in_order: Vec::new(),
+            nodes: Vec::new(),
+            receiver_keys: Vec::new(),
+            receiver_order: Vec::new(),
+            statistics: Statistics::default(),
+            kind: PhantomData,
+        }
+    }
+
+    /// Runs the plan.
+    pub(crate) fn finish(mut self) -> Statistics {
+        let Ok(()) = self.plan.run(&mut self);
+        self.statistics
+    }
+
+    fn key_triangles(&mut self, count: usize) {
+        let (vertices, triangles) = (self.occluders.vertices(), self.occluders.triangles());
+        (0..count)
+            .into_par_iter()
+            .map(|id| key_triangles(id, &self.frame, &self.grid.light, vertices, triangles))
+            .collect_into_vec(&mut self.triangles);
+    }
+
+    fn order_triangles(&mut self) {
+        let keys: Vec<Option<Keys>> = self.triangles.par_iter().map(|found| found.map(|(keys, _)| keys)).collect();
+        let order = ordered(&self.frame, &keys);
+        let found: Vec<&(Keys, Occluder)> =
+            order.iter().map_while(|entry| self.triangles[entry.index as usize].as_ref()).collect();
+        self.in_order = found.iter().map(|(_, occluder)| *occluder).collect();
+        self.nodes = vec![KeyTile::NOTHING; self.plan.levels().tiles()];
+        for (tile, entries) in self.nodes.iter_mut().zip(found.chunks(TILE)) {
+            for (entry, (keys, _)) in entries.iter().enumerate() {
+                tile.set(entry, keys);
+            }
+        }
+        self.triangles = Vec::new();
+    }
+
+    fn build_level(&mut self, level: usize) {
+        let levels = self.plan.levels();
+        let (below, above) = self.nodes.split_at_mut(levels.range(level).start);
+        let below = &below[levels.range(level - 1)];
+        for (id, tile) in above.iter_mut().take(levels.range(level).len()).enumerate() {
+            *tile = build_level(id, below);
+        }
+    }
+
+    fn key_receivers(&mut self, first: usize, count: usize) {
+        let points = &self.receivers.points()[first..first + count];
+        (0..count)
+            .into_par_iter()
+            .map(|id| key_receivers(id, &self.frame, &self.grid.light, points))
+            .collect_into_vec(&mut self.receiver_keys);
+    }
+
+    fn resolve(&mut self, first: usize) {
+        let scene =
+            Occlusion { grid: &self.grid, levels: self.plan.levels(), nodes: &self.nodes, occluders: &self.in_order };
+        let light = &self.grid.light;
+        let (isa, visit, points, keys) = (self.isa, self.visit, self.receivers.points(), &self.receiver_keys);
+        let total = Mutex::new(Counts::default());
+        let empty = Group::<W>::empty(light.rows);
+        self.receiver_order.par_chunks(TILE * GROUPS_A_JOB).for_each_init(
+            || Box::new(empty.clone()),
+            |group, job| {
+                let mut counts = Counts::default();
+                for entries in job.chunks(TILE) {
+                    (**group).clone_from(&empty);
+                    for (lane, entry) in entries.iter().enumerate() {
+                        let index = entry.index as usize;
+                        group.set(lane, points[first + index], keys[index].as_ref(), light);
+                    }
+                    isa.resolve::<W, P>(&scene, group);
+                    counts = counts.plus(group.counts);
+                    for (lane, entry) in entries.iter().enumerate() {
+                        visit(Answer {
+                            receiver: first + entry.index as usize,
+                            rows: &group.masks[lane][..light.rows as usize],
+                            pairs: group.relevant[lane],
+                        });
+                    }
+                }
+                let mut total = total.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+                *total = total.plus(counts);
+            },
+        );
+        let found = total.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+        self.statistics.counts = self.statistics.counts.plus(found);
+    }
+}
+
+impl<W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W, P, V> {
+    type Error = Infallible;
+
+    fn dispatch(&mut self, pass: &Pass) -> Result<(), Infallible> {
+        let start = Instant::now();
+        let (first, count) = (pass.first as usize, pass.count as usize);
+        match pass.stage {
+            // The scene and the receivers are snapped when they are made, and the visitor reduces.
+            Stage::SnapVertices | Stage::SnapReceivers | Stage::Reduce => return Ok(()),
+            Stage::KeyTriangles => self.key_triangles(count),
+            Stage::OrderTriangles => self.order_triangles(),
+            Stage::BuildLevel => self.build_level(first),
+            Stage::KeyReceivers => self.key_receivers(first, count),
+            Stage::OrderReceivers => self.receiver_order = ordered(&self.frame, &self.receiver_keys),
+            Stage::Resolve => self.resolve(first),
+        }
+        self.statistics.add(pass.stage, start.elapsed());
+        Ok(())
+    }
+}

@@ -1,0 +1,153 @@
+//! [`Lanes`] on AVX2: two registers a vector.
+
+use core::arch::x86_64::*;
+
+use umbra4_core::lanes::{Lanes, TILE};
+
+/// Sixteen f32 in two registers. Only kernels compiled for AVX2 use it, and those run only where it was detected.
+#[derive(Clone, Copy)]
+pub struct Avx2(__m256, __m256);
+
+/// Integers, or a mask of all-ones and all-zeros, in two registers.
+#[derive(Clone, Copy)]
+pub struct Pair(__m256i, __m256i);
+
+// SAFETY of every block below: the intrinsics need AVX2, which `Isa::detect` has found before any kernel that uses this
+// type is called; loads and stores are unaligned and stay within arrays of sixteen.
+macro_rules! intrinsics {
+    ($e:expr) => {{
+        // SAFETY: see the note above.
+        unsafe { $e }
+    }};
+}
+
+const HALF: usize = TILE / 2;
+
+impl Avx2 {
+    #[inline(always)]
+    fn both_halves(self, other: Self, f: impl Fn(__m256, __m256) -> __m256) -> Self {
+        Self(f(self.0, other.0), f(self.1, other.1))
+    }
+}
+
+impl Lanes for Avx2 {
+    const WIDTH: usize = TILE;
+    const ROUNDOFF: f32 = f32::EPSILON / 2.0;
+    type Ints = Pair;
+    type Mask = Pair;
+
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        intrinsics!(Self(_mm256_set1_ps(x), _mm256_set1_ps(x)))
+    }
+    #[inline(always)]
+    fn splat_int(x: i32) -> Pair {
+        intrinsics!(Pair(_mm256_set1_epi32(x), _mm256_set1_epi32(x)))
+    }
+    #[inline(always)]
+    fn load(tile: &[f32; TILE], _: usize) -> Self {
+        intrinsics!(Self(_mm256_loadu_ps(tile.as_ptr()), _mm256_loadu_ps(tile.as_ptr().add(HALF))))
+    }
+    #[inline(always)]
+    fn load_ints(tile: &[i32; TILE], _: usize) -> Pair {
+        intrinsics!(Pair(_mm256_loadu_si256(tile.as_ptr().cast()), _mm256_loadu_si256(tile.as_ptr().add(HALF).cast())))
+    }
+    #[inline(always)]
+    fn store(self, tile: &mut [f32; TILE], _: usize) {
+        intrinsics!({
+            _mm256_storeu_ps(tile.as_mut_ptr(), self.0);
+            _mm256_storeu_ps(tile.as_mut_ptr().add(HALF), self.1);
+        })
+    }
+    #[inline(always)]
+    fn store_ints(ints: Pair, tile: &mut [i32; TILE], _: usize) {
+        intrinsics!({
+            _mm256_storeu_si256(tile.as_mut_ptr().cast(), ints.0);
+            _mm256_storeu_si256(tile.as_mut_ptr().add(HALF).cast(), ints.1);
+        })
+    }
+    #[inline(always)]
+    fn count_from(first: usize) -> Self {
+        intrinsics!({
+            let ramp = _mm256_setr_ps(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0);
+            Self(
+                _mm256_add_ps(_mm256_set1_ps(first as f32), ramp),
+                _mm256_add_ps(_mm256_set1_ps((first + HALF) as f32), ramp),
+            )
+        })
+    }
+    #[inline(always)]
+    fn difference(a: Pair, b: Pair) -> Self {
+        intrinsics!(Self(
+            _mm256_cvtepi32_ps(_mm256_sub_epi32(a.0, b.0)),
+            _mm256_cvtepi32_ps(_mm256_sub_epi32(a.1, b.1))
+        ))
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.both_halves(other, |a, b| intrinsics!(_mm256_add_ps(a, b)))
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.both_halves(other, |a, b| intrinsics!(_mm256_sub_ps(a, b)))
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.both_halves(other, |a, b| intrinsics!(_mm256_mul_ps(a, b)))
+    }
+    #[inline(always)]
+    fn recip(self) -> Self {
+        self.both_halves(self, |a, _| intrinsics!(_mm256_div_ps(_mm256_set1_ps(1.0), a)))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.both_halves(self, |a, _| intrinsics!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), a)))
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        self.both_halves(other, |a, b| intrinsics!(_mm256_min_ps(a, b)))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        self.both_halves(other, |a, b| intrinsics!(_mm256_max_ps(a, b)))
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> Pair {
+        intrinsics!(Pair(
+            _mm256_castps_si256(_mm256_cmp_ps::<_CMP_GE_OQ>(self.0, other.0)),
+            _mm256_castps_si256(_mm256_cmp_ps::<_CMP_GE_OQ>(self.1, other.1))
+        ))
+    }
+    #[inline(always)]
+    fn both(a: Pair, b: Pair) -> Pair {
+        intrinsics!(Pair(_mm256_and_si256(a.0, b.0), _mm256_and_si256(a.1, b.1)))
+    }
+    #[inline(always)]
+    fn select(mask: Pair, a: Self, b: Self) -> Self {
+        intrinsics!(Self(
+            _mm256_blendv_ps(b.0, a.0, _mm256_castsi256_ps(mask.0)),
+            _mm256_blendv_ps(b.1, a.1, _mm256_castsi256_ps(mask.1))
+        ))
+    }
+    #[inline(always)]
+    fn bits(mask: Pair) -> u32 {
+        intrinsics!({
+            let low = _mm256_movemask_ps(_mm256_castsi256_ps(mask.0)) as u32;
+            let high = _mm256_movemask_ps(_mm256_castsi256_ps(mask.1)) as u32;
+            low | high << HALF
+        })
+    }
+    #[inline(always)]
+    fn ceil(self) -> Pair {
+        intrinsics!(Pair(_mm256_cvtps_epi32(_mm256_ceil_ps(self.0)), _mm256_cvtps_epi32(_mm256_ceil_ps(self.1))))
+    }
+    #[inline(always)]
+    fn floor(self) -> Pair {
+        intrinsics!(Pair(_mm256_cvtps_epi32(_mm256_floor_ps(self.0)), _mm256_cvtps_epi32(_mm256_floor_ps(self.1))))
+    }
+    #[inline(always)]
+    fn differ(a: Pair, b: Pair) -> u32 {
+        let same = intrinsics!(Pair(_mm256_cmpeq_epi32(a.0, b.0), _mm256_cmpeq_epi32(a.1, b.1)));
+        !Self::bits(same) & 0xffff
+    }
+}

@@ -1,0 +1,118 @@
+//! [`Lanes`] on AVX-512: one register a vector.
+
+use core::arch::x86_64::*;
+
+use umbra4_core::lanes::{Lanes, TILE};
+
+/// Sixteen f32 in one register. Only kernels compiled for AVX-512 use it, and those run only where it was detected.
+#[derive(Clone, Copy)]
+pub struct Avx512(__m512);
+
+// SAFETY of every block below: the intrinsics need AVX-512 F, which `Isa::detect` has found before any kernel that uses
+// this type is called; loads and stores are unaligned and stay within arrays of sixteen.
+macro_rules! intrinsics {
+    ($e:expr) => {{
+        // SAFETY: see the note above.
+        unsafe { $e }
+    }};
+}
+
+impl Lanes for Avx512 {
+    const WIDTH: usize = TILE;
+    const ROUNDOFF: f32 = f32::EPSILON / 2.0;
+    type Ints = __m512i;
+    type Mask = __mmask16;
+
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        intrinsics!(Self(_mm512_set1_ps(x)))
+    }
+    #[inline(always)]
+    fn splat_int(x: i32) -> __m512i {
+        intrinsics!(_mm512_set1_epi32(x))
+    }
+    #[inline(always)]
+    fn load(tile: &[f32; TILE], _: usize) -> Self {
+        intrinsics!(Self(_mm512_loadu_ps(tile.as_ptr())))
+    }
+    #[inline(always)]
+    fn load_ints(tile: &[i32; TILE], _: usize) -> __m512i {
+        intrinsics!(_mm512_loadu_epi32(tile.as_ptr()))
+    }
+    #[inline(always)]
+    fn store(self, tile: &mut [f32; TILE], _: usize) {
+        intrinsics!(_mm512_storeu_ps(tile.as_mut_ptr(), self.0))
+    }
+    #[inline(always)]
+    fn store_ints(ints: __m512i, tile: &mut [i32; TILE], _: usize) {
+        intrinsics!(_mm512_storeu_epi32(tile.as_mut_ptr(), ints))
+    }
+    #[inline(always)]
+    fn count_from(first: usize) -> Self {
+        intrinsics!({
+            let ramp =
+                _mm512_setr_ps(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0);
+            Self(_mm512_add_ps(_mm512_set1_ps(first as f32), ramp))
+        })
+    }
+    #[inline(always)]
+    fn difference(a: __m512i, b: __m512i) -> Self {
+        intrinsics!(Self(_mm512_cvtepi32_ps(_mm512_sub_epi32(a, b))))
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        intrinsics!(Self(_mm512_add_ps(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        intrinsics!(Self(_mm512_sub_ps(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        intrinsics!(Self(_mm512_mul_ps(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn recip(self) -> Self {
+        intrinsics!(Self(_mm512_div_ps(_mm512_set1_ps(1.0), self.0)))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        intrinsics!(Self(_mm512_abs_ps(self.0)))
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        intrinsics!(Self(_mm512_min_ps(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn max(self, other: Self) -> Self {
+        intrinsics!(Self(_mm512_max_ps(self.0, other.0)))
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> __mmask16 {
+        intrinsics!(_mm512_cmp_ps_mask::<_CMP_GE_OQ>(self.0, other.0))
+    }
+    #[inline(always)]
+    fn both(a: __mmask16, b: __mmask16) -> __mmask16 {
+        a & b
+    }
+    #[inline(always)]
+    fn select(mask: __mmask16, a: Self, b: Self) -> Self {
+        intrinsics!(Self(_mm512_mask_blend_ps(mask, b.0, a.0)))
+    }
+    #[inline(always)]
+    fn bits(mask: __mmask16) -> u32 {
+        u32::from(mask)
+    }
+    #[inline(always)]
+    fn ceil(self) -> __m512i {
+        intrinsics!(_mm512_cvt_roundps_epi32::<{ _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC }>(self.0))
+    }
+    #[inline(always)]
+    fn floor(self) -> __m512i {
+        intrinsics!(_mm512_cvt_roundps_epi32::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(self.0))
+    }
+    #[inline(always)]
+    fn differ(a: __m512i, b: __m512i) -> u32 {
+        intrinsics!(u32::from(_mm512_cmpneq_epi32_mask(a, b)))
+    }
+}

@@ -1,0 +1,98 @@
+//! Instruction sets: which of them the processor has, and the resolve kernel compiled for each.
+
+use std::fmt;
+
+use umbra4_core::{
+    MaskWord, PrecisionMode,
+    lanes::Sixteen,
+    stage::resolve::{Group, Occlusion, resolve},
+};
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+
+/// An instruction set that kernels are compiled for. All give the same bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Isa {
+    /// Sixteen lanes in one register.
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+    /// Sixteen lanes in two registers.
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    /// What the compiler makes of plain arrays for the target's baseline.
+    Portable,
+}
+
+impl Isa {
+    /// All that this processor has, widest first. Never empty.
+    pub fn available() -> Vec<Self> {
+        let mut found = Vec::new();
+        #[cfg(target_arch = "x86_64")]
+        {
+            let avx2 = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("bmi1")
+                && is_x86_feature_detected!("bmi2")
+                && is_x86_feature_detected!("lzcnt")
+                && is_x86_feature_detected!("popcnt");
+            let avx512 = avx2
+                && is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512bw")
+                && is_x86_feature_detected!("avx512dq")
+                && is_x86_feature_detected!("avx512vl");
+            if avx512 {
+                found.push(Self::Avx512);
+            }
+            if avx2 {
+                found.push(Self::Avx2);
+            }
+        }
+        found.push(Self::Portable);
+        found
+    }
+
+    /// The widest that this processor has.
+    pub fn best() -> Self {
+        Self::available().first().copied().unwrap_or(Self::Portable)
+    }
+
+    /// Fills the masks of a group. `self` comes from [`Isa::available`].
+    #[inline]
+    pub(crate) fn resolve<W: MaskWord, P: PrecisionMode>(self, scene: &Occlusion<'_>, group: &mut Group<W>) {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: an executor only holds an instruction set that `available` has detected.
+            Self::Avx512 => unsafe { resolve_avx512::<W, P>(scene, group) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            Self::Avx2 => unsafe { resolve_avx2::<W, P>(scene, group) },
+            Self::Portable => resolve::<Sixteen, W, P>(scene, group),
+        }
+    }
+}
+
+impl fmt::Display for Isa {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => "AVX-512",
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => "AVX2",
+            Self::Portable => "portable",
+        })
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn resolve_avx512<W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
+    resolve::<avx512::Avx512, W, P>(scene, group);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn resolve_avx2<W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
+    resolve::<avx2::Avx2, W, P>(scene, group);
+}

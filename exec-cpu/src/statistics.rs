@@ -1,0 +1,33 @@
+//! What a run did, and where its time went.
+
+use std::time::Duration;
+
+use umbra4_core::{Counts, stage::Stage};
+
+/// What a run did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// Pairs and fallbacks.
+    pub counts: Counts,
+    /// Seconds spent in each stage that ran, in the order of the data flow.
+    pub seconds_by_stage: Vec<(&'static str, f64)>,
+}
+
+impl Statistics {
+    /// Seconds of all stages together.
+    pub fn seconds(&self) -> f64 {
+        self.seconds_by_stage.iter().map(|(_, seconds)| seconds).sum()
+    }
+
+    /// Adds the time of one pass to its stage.
+    pub(crate) fn add(&mut self, stage: Stage, time: Duration) {
+        self.add_named(stage.info().name, time);
+    }
+
+    pub(crate) fn add_named(&mut self, name: &'static str, time: Duration) {
+        match self.seconds_by_stage.iter_mut().find(|(n, _)| *n == name) {
+            Some((_, seconds)) => *seconds += time.as_secs_f64(),
+            None => self.seconds_by_stage.push((name, time.as_secs_f64())),
+        }
+    }
+}
