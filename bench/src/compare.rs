@@ -1,0 +1,226 @@
+//! The comparison: every contender on the same receivers and light, interleaved, the best of several runs each.
+
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use crate::{
+    contender::{ContenderError, Entry, Seconds, by_name},
+    primary::hits,
+    problem::{Problem, ProblemError},
+    row_word::RowWord,
+    scene::{SceneError, scene},
+    subset,
+    table::Line,
+};
+
+/// Why a comparison stops.
+#[derive(Debug, Error)]
+pub enum CompareError {
+    /// A scene cannot be set up.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A scene does not fit the lattice.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// A contender fails.
+    #[error(transparent)]
+    Contender(#[from] ContenderError),
+    /// The picture cannot be written.
+    #[error("{0}")]
+    Io(#[from] std::io::Error),
+}
+
+/// What is compared.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Where the models are.
+    pub scenes: PathBuf,
+    /// Names of the contenders.
+    pub contenders: Vec<String>,
+    /// Rows and columns of the light's samples.
+    pub samples: u32,
+    /// Edge of the image, pixels.
+    pub size: u32,
+    /// Threads of every contender.
+    pub threads: usize,
+    /// Runs of every contender.
+    pub repeat: usize,
+    /// At most about so many receivers for everybody.
+    pub receivers: usize,
+    /// At most about so many receivers for the rivals.
+    pub rival_receivers: usize,
+    /// Chooses the subsets.
+    pub seed: u64,
+    /// Where to write the first contender's visibility, as a grey picture.
+    pub picture: Option<PathBuf>,
+}
+
+/// Runs all contenders on one scene, and says what is going on on stderr.
+///
+/// # Errors
+/// An unknown scene or contender; whatever a contender refuses.
+pub fn compare<W: RowWord>(name: &str, options: &Options) -> Result<Vec<Line>, CompareError> {
+    let entries = options.contenders.iter().map(|name| by_name(name)).collect::<Result<Vec<Entry<W>>, _>>()?;
+    let scene = scene(name, &options.scenes, options.samples)?;
+    let all = hits(&scene.model, &scene.camera, options.size);
+    let chosen: Vec<_> = subset::tiles(&all, options.receivers, options.seed).into_iter().map(|i| all[i]).collect();
+    let rival_indices = subset::tiles(&chosen, options.rival_receivers, options.seed);
+    let rival_hits: Vec<_> = rival_indices.iter().map(|&i| chosen[i]).collect();
+    let ours = Problem::new(&scene, &all, &chosen)?;
+    let theirs = Problem::new(&scene, &all, &rival_hits)?;
+    eprintln!(
+        "{name}: {} triangles, {} receivers of {} pixels, {} behind the light",
+        scene.model.triangles.len(),
+        chosen.len(),
+        options.size * options.size,
+        ours.count_behind_light(),
+    );
+
+    let mut results: Vec<Measured<W>> = Vec::new();
+    for round in 0..options.repeat.max(1) {
+        for (index, entry) in entries.iter().enumerate() {
+            let problem = if entry.ours { &ours } else { &theirs };
+            let mut masks = vec![W::EMPTY; problem.receivers.len() * problem.rows()];
+            let seconds = entry.contender.run(problem, options.threads, &mut masks)?;
+            eprintln!("{name}: {} {:.3} + {:.3} s", entry.name, seconds.build, seconds.masks);
+            let micros = micros_per_receiver(seconds, chosen.len(), problem.receivers.len());
+            if round == 0 {
+                results.push(Measured { seconds, micros, masks });
+            } else if micros < results[index].micros {
+                results[index] = Measured { seconds, micros, masks };
+            }
+        }
+    }
+
+    if let (Some(path), Some(entry), Some(first)) = (&options.picture, entries.first(), results.first()) {
+        let hits = if entry.ours { &chosen } else { &rival_hits };
+        crate::picture::write(path, options.size, hits, &first.masks, ours.light.sample_count())?;
+    }
+
+    let exact = entries.iter().position(|entry| entry.name == "umbra4");
+    let rows = ours.rows();
+    let lines = entries.iter().zip(&results).map(|(entry, measured)| {
+        let receivers = if entry.ours { chosen.len() } else { rival_hits.len() };
+        let differing = exact.map(|exact| {
+            let exact = results[exact].masks.chunks_exact(rows);
+            let other = measured.masks.chunks_exact(rows);
+            if entry.ours {
+                differing_bits(exact, other)
+            } else {
+                let exact: Vec<&[W]> = exact.collect();
+                differing_bits(rival_indices.iter().map(|&i| exact[i]), other)
+            }
+        });
+        Line {
+            scene: name.to_owned(),
+            triangles: scene.model.triangles.len(),
+            contender: entry.name.clone(),
+            threads: options.threads,
+            samples: options.samples,
+            receivers,
+            all_receivers: chosen.len(),
+            build_seconds: measured.seconds.build,
+            masks_seconds: measured.seconds.masks,
+            micros: measured.micros,
+            ratio: exact.map(|exact| measured.micros / results[exact].micros),
+            differing,
+        }
+    });
+    Ok(lines.collect())
+}
+
+/// The best run of one contender.
+struct Measured<W> {
+    seconds: Seconds,
+    micros: f64,
+    masks: Vec<W>,
+}
+
+/// Time per receiver; building is shared by `all` receivers, also where only `measured` of them were.
+fn micros_per_receiver(seconds: Seconds, all: usize, measured: usize) -> f64 {
+    1e6 * (seconds.build / all.max(1) as f64 + seconds.masks / measured.max(1) as f64)
+}
+
+/// Bits that differ between two equally long sequences of masks.
+fn differing_bits<'a, W: RowWord>(
+    a: impl ExactSizeIterator<Item = &'a [W]>,
+    b: impl ExactSizeIterator<Item = &'a [W]>,
+) -> u64 {
+    assert_eq!(a.len(), b.len(), "masks of different receivers");
+    let words = a.zip(b).flat_map(|(a, b)| a.iter().zip(b));
+    words.map(|(&a, &b)| u64::from(a.without(b).count() + b.without(a).count())).sum()
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test may panic")]
+mod tests {
+    use super::*;
+    use crate::scene::tiny;
+
+    /// Rays in f32 may miss the true answer on bits where a ray grazes an edge; more than this is a mistake.
+    const GRAZING_SHARE: f64 = 1e-3;
+
+    fn agrees<W: RowWord>(samples: u32, name: &str) {
+        let scene = tiny(samples);
+        let hits: Vec<_> = hits(&scene.model, &scene.camera, 24);
+        let problem = Problem::new(&scene, &hits, &hits).unwrap();
+        let masks = |name: &str, threads: usize| {
+            let mut masks = vec![W::EMPTY; problem.receivers.len() * problem.rows()];
+            by_name(name).unwrap().contender.run(&problem, threads, &mut masks).unwrap();
+            masks
+        };
+        let exact = masks("umbra4", 1);
+        let blocked: u64 = exact.iter().map(|word| u64::from(word.count())).sum();
+        let bits = (exact.len() as u64) * u64::from(samples);
+        assert!(blocked > bits / 50 && blocked < bits / 2, "{blocked} of {bits} bits are blocked");
+        for threads in [1, 2] {
+            let other = masks(name, threads);
+            let rows = problem.rows();
+            let differing = differing_bits(exact.chunks_exact(rows), other.chunks_exact(rows));
+            assert!(
+                (differing as f64) < GRAZING_SHARE * bits as f64,
+                "{name}, {samples}², {threads} threads: {differing} of {bits} bits differ"
+            );
+        }
+    }
+
+    #[test]
+    fn bvh_rivals_agree() {
+        for name in ["obvhs", "obvhs-cwbvh", "obvhs-fast", "obvhs-cwbvh-medium"] {
+            agrees::<u32>(32, name);
+        }
+        agrees::<u64>(37, "obvhs");
+    }
+
+    #[cfg(feature = "embree")]
+    #[test]
+    fn embree_agrees() {
+        let names = ["embree1", "embree8", "embree16", "embree8-square-robust", "embree16-square-high"];
+        for name in names {
+            agrees::<u32>(32, name);
+            agrees::<u64>(37, name);
+            agrees::<u32>(5, name);
+        }
+    }
+
+    #[cfg(all(feature = "tinybvh", target_feature = "avx2"))]
+    #[test]
+    fn tinybvh_agrees() {
+        agrees::<u32>(32, "tinybvh");
+        agrees::<u64>(37, "tinybvh-high");
+    }
+
+    #[test]
+    fn a_differing_bit_is_counted() {
+        let (a, b) = ([5_u32, 0], [4_u32, 8]);
+        assert_eq!(differing_bits(a.chunks_exact(1), b.chunks_exact(1)), 2);
+    }
+
+    #[test]
+    fn unknown_names_are_refused() {
+        for name in ["", "umbra", "obvhs-", "embree", "embree4", "embree8-low"] {
+            assert!(by_name::<u32>(name).is_err(), "{name}");
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! Mask words that rays can write: rays come packet by packet, and so do their bits.
+
+use umbra4_core::MaskWord;
+
+/// A mask word that is made from bits.
+pub trait RowWord: MaskWord {
+    /// The word with these bits; those beyond the word are dropped.
+    fn from_bits(bits: u64) -> Self;
+}
+
+impl RowWord for u32 {
+    fn from_bits(bits: u64) -> Self {
+        bits as Self
+    }
+}
+
+impl RowWord for u64 {
+    fn from_bits(bits: u64) -> Self {
+        bits
+    }
+}
