@@ -176,6 +176,17 @@ impl Lattice {
         self.exponent
     }
 
+    /// The largest distance from the origin that a lattice with steps at least `factor` times finer can cover, world units.
+    pub(crate) fn reach_of_finer(&self, factor: f64) -> f64 {
+        let mut reach = (f64::from(LIMIT) - MARGIN) * self.step();
+        let mut finer = 1.0;
+        while finer < factor && reach > 0.0 {
+            finer *= 2.0;
+            reach *= 0.5;
+        }
+        reach
+    }
+
     /// World units per lattice unit.
     pub fn step(&self) -> f64 {
         power_of_two(-self.exponent)

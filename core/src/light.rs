@@ -147,7 +147,7 @@ impl AreaLight {
             let step = edge / f64::from(count) * scale;
             let length = step.abs().max_element();
             if length < f64::from(MIN_STEP) {
-                let largest_bounds = f64::from(LIMIT) * lattice.step() * length / f64::from(MIN_STEP);
+                let largest_bounds = lattice.reach_of_finer(f64::from(MIN_STEP) / length);
                 return Err(LightError::LightTooFine { field, step: length, largest_bounds });
             }
             if length >= 2.0 * f64::from(LIMIT) {
@@ -159,11 +159,13 @@ impl AreaLight {
         let half =
             (step_u.as_dvec3() * f64::from(self.columns - 1) + step_v.as_dvec3() * f64::from(self.rows - 1)) * 0.5;
         let origin = (self.center() - lattice.origin()) * scale - half;
+        // The steps' own rounding moves an outer sample by up to ¼ unit a step, on each axis.
+        let lift = lift.with_error(0.25 * f64::from(self.rows + self.columns - 2) + 0.5);
         let limit = f64::from(LIMIT) - 1.0 - f64::from(lift.steps());
         for row in [0, self.rows - 1] {
             for column in [0, self.columns - 1] {
                 let sample = origin + step_u.as_dvec3() * f64::from(column) + step_v.as_dvec3() * f64::from(row);
-                if !(sample.abs().max_element() < limit) {
+                if sample.abs().max_element() >= limit {
                     return Err(self.out_of_range(row, column));
                 }
             }

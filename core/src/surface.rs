@@ -32,6 +32,11 @@ impl Lift {
         if ulps >= 1 && ulps <= 8 { Some(Self(3 * 32 * ulps as i32 + 3 + 1)) } else { None }
     }
 
+    /// A lift that also makes up for `error` lattice units a coordinate, from other roundings; none stays none.
+    pub(crate) fn with_error(self, error: f64) -> Self {
+        if self == Self::NONE { self } else { Self(self.0 + 3 * (error as i32 + 1)) }
+    }
+
     /// Lattice steps.
     pub const fn steps(self) -> i32 {
         self.0
