@@ -134,11 +134,12 @@ struct VerifyArgs {
     /// Scenes that have to be there.
     #[arg(long, value_delimiter = ',')]
     require: Vec<String>,
-    /// Random receivers a scene: half of them surface points (asked for lifted and raw), half points of its box.
+    /// Random receivers a scene: half of them surface points (asked for lifted and raw), half points of its box. As many
+    /// again are chosen from penumbrae.
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..))]
     receivers: u32,
     /// Receivers of each kind that the slow second oracle is asked about.
-    #[arg(long, default_value_t = 8)]
+    #[arg(long, default_value_t = 16)]
     unsnapped: usize,
     /// Diagonal of the light in the paper's units (its table 5: 1 to 5).
     #[arg(long, default_value_t = PAPER_LIGHT, value_parser = light_scale)]
