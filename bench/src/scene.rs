@@ -6,8 +6,8 @@
 //!
 //! | scene | its diagonal | of what | light's edge | light's distance |
 //! |---|--:|---|--:|---|
-//! | dragons | 0.2663 | the model's own box, whose floor goes on as a ground plane | 0.00974 | 0.1469 (32/58 of the diagonal) |
-//! | sponza | 37.60 | the atrium's box | 1.375 | inside, 7.5 above the floor |
+//! | dragons | 0.266 | the model's own box, whose floor goes on as a ground plane | 0.0097 | 0.147 (32/58 of the diagonal) |
+//! | sponza | 41.6 | the atrium's box | 1.52 | inside, 7.5 above the floor |
 //!
 //! The paper does not say how much ground its diagonal contains. The dragon's own box makes light and distance the
 //! smallest that can be meant; the light's size as seen from the dragon, 3/32 of a radian, is the same in any case.

@@ -13,6 +13,8 @@ pub struct Pairs {
     pub kept: f64,
     /// Of which at least one sample is blocked.
     pub relevant: f64,
+    /// Signs redone in integers, per receiver.
+    pub fallbacks: f64,
 }
 
 impl Pairs {
@@ -23,6 +25,7 @@ impl Pairs {
             tested: per_receiver(counts.pairs_tested),
             kept: per_receiver(counts.pairs_kept),
             relevant: per_receiver(counts.pairs_relevant),
+            fallbacks: per_receiver(counts.fallbacks),
         }
     }
 }
@@ -76,15 +79,15 @@ impl Line {
 pub fn markdown(lines: &[Line]) -> String {
     let mut out = String::from(
         "| scene | contender | receivers | runs | build s | masks s | µs/receiver | Mrays/s | time ÷ umbra4's | \
-         pairs tested, kept, relevant per receiver | bits that differ |\n\
+         pairs tested, kept, relevant, fallbacks per receiver | bits that differ |\n\
          |---|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
     );
     for line in lines {
         let ratio = line.ratio.map_or_else(String::new, |ratio| format!("{ratio:.2}"));
         let differing = line.differing.map_or_else(String::new, |bits| format!("{bits} ({:.1e})", line.share(bits)));
-        let pairs = line
-            .pairs
-            .map_or_else(String::new, |pairs| format!("{:.1}, {:.1}, {:.1}", pairs.tested, pairs.kept, pairs.relevant));
+        let pairs = line.pairs.map_or_else(String::new, |pairs| {
+            format!("{:.1}, {:.1}, {:.1}, {:.2}", pairs.tested, pairs.kept, pairs.relevant, pairs.fallbacks)
+        });
         // Writing to a string cannot fail.
         let _ = writeln!(
             out,
@@ -128,14 +131,15 @@ pub fn precisions(lines: &[Line]) -> String {
 pub fn csv(lines: &[Line]) -> String {
     let mut out = String::from(
         "scene,triangles,contender,threads,samples,receivers,all_receivers,build_seconds,masks_seconds,\
-         micros_per_receiver,mega_rays_per_second,ratio,differing_bits,runs,pairs_tested,pairs_kept,pairs_relevant\n",
+         micros_per_receiver,mega_rays_per_second,ratio,differing_bits,runs,pairs_tested,pairs_kept,pairs_relevant,fallbacks\n",
     );
     for line in lines {
         let ratio = line.ratio.map_or_else(String::new, |ratio| ratio.to_string());
         let differing = line.differing.map_or_else(String::new, |bits| bits.to_string());
-        let pairs = line
-            .pairs
-            .map_or_else(|| ",,".to_owned(), |pairs| format!("{},{},{}", pairs.tested, pairs.kept, pairs.relevant));
+        let pairs = line.pairs.map_or_else(
+            || ",,,".to_owned(),
+            |pairs| format!("{},{},{},{}", pairs.tested, pairs.kept, pairs.relevant, pairs.fallbacks),
+        );
         let _ = writeln!(
             out,
             "{},{},{},{},{},{},{},{},{},{},{},{ratio},{differing},{},{pairs}",
