@@ -52,7 +52,7 @@ pub enum ExecutorError {
     /// The grid cannot have so many cells.
     #[error("grid {field} is {value}, outside 1..={}", umbra4_core::grid::MAX_CELLS)]
     GridCells {
-        /// "cells[0]" (columns) or "cells[1]" (rows).
+        /// `cells[0]` (columns) or `cells[1]` (rows).
         field: &'static str,
         /// Its value.
         value: u32,

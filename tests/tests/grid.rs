@@ -109,8 +109,9 @@ fn no_relevant_pair_is_lost_by_cells() {
     assert!(apart < receivers / 4, "most receivers have a cell");
 }
 
-/// Every combination of options, instruction set and number of threads gives the oracle's masks; the rows' way of being
-/// filled and the rejection change no count of relevant pairs either.
+/// Every combination of options, instruction set and number of threads gives the oracle's masks; the
+/// rejection changes no count of relevant pairs either. (A pair whose only doubtful samples others block already counts by
+/// what is certain of it, which rows and single samples see with other roundings.)
 #[test]
 fn optimisations_change_no_bit() {
     let inputs = world(&mut Rng::named(0, "grid"), 33, 33, 300, 700).inputs();
@@ -134,7 +135,13 @@ fn optimisations_change_no_bit() {
                 assert!(statistics.receiver_entries > 0 && statistics.triangle_entries > 0);
                 if options.binning == Binning::OneCell {
                     assert!(statistics.receiver_entries <= inputs.receivers.len() as u64, "one cell each");
-                    assert_eq!(*relevant.get_or_insert(counts.pairs_relevant), counts.pairs_relevant, "{options:?}");
+                    if options.rows == Rows::Words {
+                        assert_eq!(
+                            *relevant.get_or_insert(counts.pairs_relevant),
+                            counts.pairs_relevant,
+                            "{options:?}"
+                        );
+                    }
                 }
                 let names: Vec<_> = statistics.seconds_by_stage.iter().map(|(name, _)| *name).collect();
                 let stages = [
