@@ -5,6 +5,7 @@ mod compare;
 mod contender;
 #[cfg(feature = "embree")]
 mod embree;
+mod optimisations;
 mod picture;
 mod primary;
 mod problem;
@@ -40,6 +41,8 @@ enum Command {
     /// Checks the bits of random receivers on the real scenes against the oracles, and prints Markdown tables. The exit
     /// code is 1 where a bit is wrong.
     Verify(VerifyArgs),
+    /// Measures what each of the paper's optimisations pays, and prints Markdown tables.
+    Optimisations(OptimisationsArgs),
 }
 
 /// Contenders that a plain run compares.
@@ -177,6 +180,69 @@ fn light_scale(text: &str) -> Result<f64, String> {
     in_range(text, 1.0..=5.0)
 }
 
+#[derive(Args)]
+struct OptimisationsArgs {
+    /// Where bench/fetch-scenes.sh put the models.
+    #[arg(long, default_value = "target/scenes")]
+    scenes: PathBuf,
+    /// dragon11k, dragon48k, dragon203k, dragon871k, sponza.
+    #[arg(long, value_delimiter = ',', default_value = "dragon48k,dragon203k,sponza")]
+    scene: Vec<String>,
+    /// Rows and columns of the light's samples.
+    #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=64))]
+    samples: u32,
+    /// Edge of the image in pixels.
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    size: u32,
+    /// Measure on about so many receivers, in whole 8×8 image tiles.
+    #[arg(long, default_value_t = 8192)]
+    receivers: usize,
+    /// Chooses the tiles.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Threads of every run.
+    #[arg(long, default_value_t = 1)]
+    threads: usize,
+    /// Runs of every variant, interleaved; the fastest counts.
+    #[arg(long, default_value_t = 2)]
+    repeat: usize,
+    /// Cells along each edge of the grid.
+    #[arg(long, default_value_t = 128)]
+    cells: u32,
+    /// Cells along each edge for the table of frame sizes.
+    #[arg(long, value_delimiter = ',', default_value = "32,64,128,256")]
+    frame: Vec<u32>,
+    /// Also write every variant's figures as CSV.
+    #[arg(long)]
+    csv: Option<PathBuf>,
+}
+
+fn run_optimisations(args: &OptimisationsArgs) -> Result<(), CompareError> {
+    let options = optimisations::Options {
+        scenes: args.scenes.clone(),
+        samples: args.samples,
+        size: args.size,
+        receivers: args.receivers,
+        seed: args.seed,
+        threads: args.threads.max(1),
+        repeat: args.repeat,
+        cells: args.cells,
+        frame: args.frame.clone(),
+    };
+    let mut lines = Vec::new();
+    for scene in &args.scene {
+        lines.push(match args.samples {
+            ..=32 => optimisations::optimisations::<u32>(scene, &options)?,
+            _ => optimisations::optimisations::<u64>(scene, &options)?,
+        });
+    }
+    print!("{}", optimisations::markdown(&lines, args.cells));
+    if let Some(path) = &args.csv {
+        std::fs::write(path, optimisations::csv(&lines, args.cells))?;
+    }
+    Ok(())
+}
+
 fn run_compare(args: &CompareArgs) -> Result<(), CompareError> {
     let options = args.options();
     let mut lines = Vec::new();
@@ -213,5 +279,6 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Compare(args) => run_compare(&args).map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::Verify(args) => run_verify(&args).unwrap_or_else(|e| fail(&e)),
+        Command::Optimisations(args) => run_optimisations(&args).map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
     }
 }

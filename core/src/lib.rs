@@ -8,10 +8,12 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod bit_mask;
 pub mod edge_plane;
 pub mod exact;
 pub mod executor;
 pub mod frame;
+pub mod grid;
 pub mod hierarchy;
 pub mod lanes;
 pub mod lattice;
@@ -35,7 +37,7 @@ pub use lanes::Lanes;
 pub use lattice::{Bounds, Lattice, LatticeError, SnapError};
 pub use light::{AreaLight, LatticeLight, LightError};
 pub use mask_word::{MaskWord, PairWord};
-pub use plan::{Pass, Plan, SceneFacts};
+pub use plan::{IndexKind, Pass, Plan, SceneFacts};
 pub use precision::{Exact, Fast, PrecisionMode};
 pub use statistics::Counts;
 pub use surface::Lift;

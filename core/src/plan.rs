@@ -5,6 +5,16 @@ use core::fmt;
 
 use crate::{executor::Executor, hierarchy::Levels, stage::Stage};
 
+/// How triangles and receivers are paired. Decides speed, never a bit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum IndexKind {
+    /// [`crate::hierarchy`].
+    #[default]
+    Hierarchy,
+    /// [`crate::grid`], the paper's.
+    Grid,
+}
+
 /// Cheap, exact facts about one run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SceneFacts {
@@ -20,6 +30,8 @@ pub struct SceneFacts {
     pub visibility: bool,
     /// Most receivers to be worked on at once: bounds the memory of a run. At least 1.
     pub block: u32,
+    /// How triangles and receivers are paired.
+    pub index: IndexKind,
 }
 
 /// One dispatch of one stage.
@@ -29,7 +41,7 @@ pub struct Pass {
     pub stage: Stage,
     /// Ids it runs for: `0..count`.
     pub count: u32,
-    /// First receiver of the block, for the stages of receivers; the level, for [`Stage::BuildLevel`]; else 0.
+    /// First receiver of the block, for the stages that run once a block; the level, for [`Stage::BuildLevel`]; else 0.
     pub first: u32,
 }
 
@@ -43,7 +55,11 @@ pub struct Plan {
 impl Plan {
     /// Decides what runs.
     pub fn new(facts: SceneFacts) -> Self {
-        Self { facts, levels: Levels::of(facts.triangles) }
+        let levels = match facts.index {
+            IndexKind::Hierarchy => Levels::of(facts.triangles),
+            IndexKind::Grid => Levels::default(),
+        };
+        Self { facts, levels }
     }
 
     /// The facts it was made from.
@@ -51,7 +67,7 @@ impl Plan {
         &self.facts
     }
 
-    /// Layout of the hierarchy.
+    /// Layout of the hierarchy; no levels where there is none.
     pub fn levels(&self) -> &Levels {
         &self.levels
     }
@@ -70,7 +86,9 @@ impl Plan {
         };
         once(Stage::SnapVertices, facts.new_vertices, 0)?;
         once(Stage::KeyTriangles, facts.triangles, 0)?;
-        once(Stage::OrderTriangles, facts.triangles, 0)?;
+        if facts.index == IndexKind::Hierarchy {
+            once(Stage::OrderTriangles, facts.triangles, 0)?;
+        }
         for level in 1..self.levels.count() {
             once(Stage::BuildLevel, self.levels.range(level).len() as u32, level as u32)?;
         }
@@ -79,8 +97,18 @@ impl Plan {
             let count = facts.block.max(1).min(facts.receivers - first);
             once(Stage::SnapReceivers, if facts.world_receivers { count } else { 0 }, first)?;
             once(Stage::KeyReceivers, count, first)?;
-            once(Stage::OrderReceivers, count, first)?;
-            once(Stage::Resolve, count.div_ceil(crate::lanes::TILE as u32), first)?;
+            match facts.index {
+                IndexKind::Hierarchy => {
+                    once(Stage::OrderReceivers, count, first)?;
+                    once(Stage::Resolve, count.div_ceil(crate::lanes::TILE as u32), first)?;
+                }
+                IndexKind::Grid => {
+                    once(Stage::DefineFrame, count, first)?;
+                    once(Stage::BinReceivers, count, first)?;
+                    once(Stage::BinTriangles, facts.triangles, first)?;
+                    once(Stage::ResolveCells, count, first)?;
+                }
+            }
             once(Stage::Reduce, if facts.visibility { count } else { 0 }, first)?;
             first += count;
         }
@@ -91,17 +119,27 @@ impl Plan {
     pub fn reason(&self, stage: Stage) -> (bool, &'static str) {
         let facts = &self.facts;
         let (work, triangles) = (facts.receivers > 0, facts.triangles > 0);
+        let grid = facts.index == IndexKind::Grid;
         match stage {
             _ if !work => (false, "no receivers"),
             Stage::SnapVertices if facts.new_vertices == 0 => (false, "the scene is on the lattice already"),
             Stage::SnapVertices => (true, "new vertices"),
             Stage::SnapReceivers if !facts.world_receivers => (false, "the receivers are on the lattice already"),
             Stage::SnapReceivers => (true, "receivers in world space"),
-            Stage::KeyTriangles | Stage::OrderTriangles if !triangles => (false, "no triangles"),
-            Stage::KeyTriangles | Stage::OrderTriangles => (true, "triangles to index"),
+            Stage::OrderTriangles | Stage::BuildLevel | Stage::OrderReceivers | Stage::Resolve if grid => {
+                (false, "the grid is the index")
+            }
+            Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells if !grid => {
+                (false, "the hierarchy is the index")
+            }
+            Stage::KeyTriangles | Stage::OrderTriangles | Stage::BinTriangles if !triangles => (false, "no triangles"),
+            Stage::KeyTriangles | Stage::OrderTriangles | Stage::BinTriangles => (true, "triangles to index"),
             Stage::BuildLevel if self.levels.count() < 2 => (false, "one node holds all triangles"),
             Stage::BuildLevel => (true, "more triangles than a node holds"),
-            Stage::KeyReceivers | Stage::OrderReceivers | Stage::Resolve => (true, "receivers to shadow"),
+            Stage::DefineFrame | Stage::BinReceivers => (true, "receivers to index"),
+            Stage::KeyReceivers | Stage::OrderReceivers | Stage::Resolve | Stage::ResolveCells => {
+                (true, "receivers to shadow")
+            }
             Stage::Reduce if !facts.visibility => (false, "masks only"),
             Stage::Reduce => (true, "visibility is asked for"),
         }

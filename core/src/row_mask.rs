@@ -138,7 +138,7 @@ fn settle_rows<W: MaskWord, const E: usize>(
     mut unsure: [u32; 2],
     mask: &mut MaskRows<W>,
 ) -> bool {
-    let mut forms = PairForms([None; 4]);
+    let mut forms = PairForms::NONE;
     let mut relevant = false;
     while unsure[0] | unsure[1] != 0 {
         let word = (unsure[0] == 0) as usize;
@@ -146,24 +146,42 @@ fn settle_rows<W: MaskWord, const E: usize>(
         unsure[word] &= unsure[word] - 1;
         let Some(word) = mask.get_mut(row) else { break };
         let outer = columns_of(bounds::<f32, E>(lines, lane, row as f32, pair.light.columns, true).outer);
-        let mut left = W::span(outer.0 as u32, outer.1 as u32).without(*word);
-        while left != W::EMPTY {
-            let column = left.lowest();
-            let bit = W::span(column, column + 1);
-            left = left.without(bit);
-            if forms.blocks(lines, lane, pair, row, column) {
-                *word = word.or(bit);
-                relevant = true;
-            }
-        }
+        let doubtful = W::span(outer.0 as u32, outer.1 as u32).without(*word);
+        let found = forms.settle(lines, lane, pair, row, doubtful);
+        relevant |= found != W::EMPTY;
+        *word = word.or(found);
     }
     relevant
 }
 
 /// The integer forms of one pair, each made when it is first needed.
-struct PairForms([Option<GridForm<Wide>>; 4]);
+pub(crate) struct PairForms([Option<GridForm<Wide>>; 4]);
 
 impl PairForms {
+    pub(crate) const NONE: Self = Self([None; 4]);
+
+    /// Those of the columns in `left` of which the triangle blocks the sample.
+    #[inline(always)]
+    pub(crate) fn settle<W: MaskWord, const E: usize>(
+        &mut self,
+        lines: &Lines<E>,
+        lane: usize,
+        pair: &mut PairIntegers<'_>,
+        row: usize,
+        mut left: W,
+    ) -> W {
+        let mut found = W::EMPTY;
+        while left != W::EMPTY {
+            let column = left.lowest();
+            let bit = W::span(column, column + 1);
+            left = left.without(bit);
+            if self.blocks(lines, lane, pair, row, column) {
+                found = found.or(bit);
+            }
+        }
+        found
+    }
+
     /// Whether the triangle blocks one sample. Only planes that are themselves in doubt there are asked in integers.
     #[inline(always)]
     fn blocks<const E: usize>(

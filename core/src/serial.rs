@@ -81,6 +81,12 @@ pub enum SerialError {
         /// Index of the element.
         index: u32,
     },
+    /// The plan asks for the grid; the serial executor knows the hierarchy only.
+    #[error("the serial executor does not run {stage:?}")]
+    NoGrid {
+        /// The stage.
+        stage: Stage,
+    },
 }
 
 /// See the module.
@@ -238,6 +244,9 @@ impl<W: MaskWord, P: PrecisionMode> Executor for Serial<'_, W, P> {
                 (order.map(<[Entry]>::sort_unstable), "receiver_order")
             }
             Stage::Resolve => (self.resolve(pass), "masks or receiver_order"),
+            Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells => {
+                return Err(SerialError::NoGrid { stage: pass.stage });
+            }
             Stage::Reduce => (self.reduce(pass), "masks or visibility"),
         };
         done.ok_or(SerialError::TooShort { buffer, stage: pass.stage })

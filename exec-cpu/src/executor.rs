@@ -4,9 +4,13 @@ use std::sync::Arc;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use thiserror::Error;
-use umbra4_core::{Exact, Fast, LatticeLight, MaskWord, Plan, SceneFacts, stage::reduce};
+use umbra4_core::{Exact, Fast, IndexKind, LatticeLight, MaskWord, Plan, SceneFacts, stage::reduce};
 
-use crate::{Isa, Masks, Occluders, Receivers, Statistics, run::Run, scatter::Scatter};
+use crate::{
+    Index, Isa, Masks, Occluders, Receivers, Statistics,
+    run::{How, Run},
+    scatter::Scatter,
+};
 
 /// Exact or plain f32.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,6 +49,22 @@ pub enum ExecutorError {
         /// Rows of the light.
         rows: u32,
     },
+    /// The grid cannot have so many cells.
+    #[error("grid {field} is {value}, outside 1..={}", umbra4_core::grid::MAX_CELLS)]
+    GridCells {
+        /// `cells[0]` (columns) or `cells[1]` (rows).
+        field: &'static str,
+        /// Its value.
+        value: u32,
+    },
+    /// The lists of the grid's cells would not fit the memory.
+    #[error("the cells of the grid hold {entries} {field}, too many for the memory: use fewer cells or receivers")]
+    GridTooLarge {
+        /// "receivers" or "triangles".
+        field: &'static str,
+        /// Entries of all cells together.
+        entries: usize,
+    },
 }
 
 /// Receivers worked on at once: bounds the memory of a run, whatever the size of the image.
@@ -73,6 +93,7 @@ const BLOCK: u32 = 1 << 18;
 pub struct CpuExecutor {
     precision: Precision,
     isa: Isa,
+    index: Index,
     pool: Option<Arc<ThreadPool>>,
 }
 
@@ -85,7 +106,7 @@ impl Default for CpuExecutor {
 impl CpuExecutor {
     /// An executor on rayon's global threads, exact, with the widest instruction set of the processor.
     pub fn new() -> Self {
-        Self { precision: Precision::Exact, isa: Isa::best(), pool: None }
+        Self { precision: Precision::Exact, isa: Isa::best(), index: Index::Hierarchy, pool: None }
     }
 
     /// Uses `threads` threads of its own (0: as many as the machine has).
@@ -115,6 +136,13 @@ impl CpuExecutor {
         self
     }
 
+    /// Chooses how triangles and receivers are paired: the same masks in another time.
+    #[must_use]
+    pub fn with_index(mut self, index: Index) -> Self {
+        self.index = index;
+        self
+    }
+
     /// The instruction set in use.
     pub fn isa(&self) -> Isa {
         self.isa
@@ -129,6 +157,10 @@ impl CpuExecutor {
             world_receivers: false,
             visibility,
             block: BLOCK,
+            index: match self.index {
+                Index::Hierarchy => IndexKind::Hierarchy,
+                Index::Grid(_) => IndexKind::Grid,
+            },
         })
     }
 
@@ -234,15 +266,19 @@ impl CpuExecutor {
         if light.columns > W::BITS {
             return Err(ExecutorError::WordTooNarrow { columns: light.columns, bits: W::BITS });
         }
+        if let Index::Grid(options) = &self.index {
+            options.check()?;
+        }
         let plan = self.plan(occluders, receivers, visibility);
+        let how = How { plan: &plan, isa: self.isa, index: self.index };
         let work = || match self.precision {
-            Precision::Exact => Run::<W, Exact, _>::new(&plan, self.isa, occluders, *light, receivers, &visit).finish(),
-            Precision::Fast => Run::<W, Fast, _>::new(&plan, self.isa, occluders, *light, receivers, &visit).finish(),
+            Precision::Exact => Run::<W, Exact, _>::new(how, occluders, *light, receivers, &visit).finish(),
+            Precision::Fast => Run::<W, Fast, _>::new(how, occluders, *light, receivers, &visit).finish(),
         };
-        Ok(match &self.pool {
+        match &self.pool {
             Some(pool) => pool.install(work),
             None => work(),
-        })
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 //! `umbra4-core`.
 
 mod executor;
+mod grid;
 mod masks;
 mod order;
 mod run;
@@ -11,8 +12,10 @@ mod simd;
 mod statistics;
 
 pub use executor::{CpuExecutor, ExecutorError, Precision};
+pub use grid::{Binning, GridOptions, Index};
 pub use masks::Masks;
 pub use scene::{Occluders, Receivers, SceneError};
 pub use simd::Isa;
 pub use statistics::Statistics;
 pub use umbra4_core as core;
+pub use umbra4_core::stage::resolve_cells::Rows;

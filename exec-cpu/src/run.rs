@@ -1,6 +1,6 @@
 //! One run: the stages as rayon jobs, over the buffers of this run.
 
-use std::{convert::Infallible, marker::PhantomData, sync::Mutex, time::Instant};
+use std::{marker::PhantomData, sync::Mutex, time::Instant};
 
 use rayon::prelude::*;
 use umbra4_core::{
@@ -19,16 +19,28 @@ use umbra4_core::{
     },
 };
 
-use crate::{Isa, Occluders, Receivers, Statistics, executor::Answer, order::ordered};
+use crate::{
+    ExecutorError, Index, Isa, Occluders, Receivers, Statistics,
+    executor::Answer,
+    grid::{Cells, CellsInput},
+    order::ordered,
+};
 
 /// Groups a job: enough to pay for the job, few enough to share the work evenly.
 const GROUPS_A_JOB: usize = 16;
 
+/// What an executor's options come to.
+#[derive(Clone, Copy)]
+pub(crate) struct How<'a> {
+    pub(crate) plan: &'a Plan,
+    pub(crate) isa: Isa,
+    pub(crate) index: Index,
+}
+
 /// An executor for one light and one set of receivers. Masks go to `visit` as soon as they are done; reducing them is
 /// the visitor's, so that they need not be stored.
 pub(crate) struct Run<'a, W, P, V> {
-    plan: &'a Plan,
-    isa: Isa,
+    how: How<'a>,
     occluders: &'a Occluders,
     receivers: &'a Receivers,
     visit: &'a V,
@@ -39,22 +51,21 @@ pub(crate) struct Run<'a, W, P, V> {
     nodes: Vec<KeyTile>,
     receiver_keys: Vec<Option<Keys>>,
     receiver_order: Vec<Entry>,
+    cells: Cells,
     statistics: Statistics,
     kind: PhantomData<(W, P)>,
 }
 
 impl<'a, W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, P, V> {
     pub(crate) fn new(
-        plan: &'a Plan,
-        isa: Isa,
+        how: How<'a>,
         occluders: &'a Occluders,
         light: LatticeLight,
         receivers: &'a Receivers,
         visit: &'a V,
     ) -> Self {
         Self {
-            plan,
-            isa,
+            how,
             occluders,
             receivers,
             visit,
@@ -65,15 +76,17 @@ impl<'a, W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, 
             nodes: Vec::new(),
             receiver_keys: Vec::new(),
             receiver_order: Vec::new(),
+            cells: Cells::default(),
             statistics: Statistics::default(),
             kind: PhantomData,
         }
     }
 
     /// Runs the plan.
-    pub(crate) fn finish(mut self) -> Statistics {
-        let Ok(()) = self.plan.run(&mut self);
-        self.statistics
+    pub(crate) fn finish(mut self) -> Result<Statistics, ExecutorError> {
+        let plan = self.how.plan;
+        plan.run(&mut self)?;
+        Ok(self.statistics)
     }
 
     fn key_triangles(&mut self, count: usize) {
@@ -90,7 +103,7 @@ impl<'a, W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, 
         let found: Vec<&(Keys, Occluder)> =
             order.iter().map_while(|entry| self.triangles[entry.index as usize].as_ref()).collect();
         self.in_order = found.iter().map(|(_, occluder)| *occluder).collect();
-        self.nodes = vec![KeyTile::NOTHING; self.plan.levels().tiles()];
+        self.nodes = vec![KeyTile::NOTHING; self.how.plan.levels().tiles()];
         for (tile, entries) in self.nodes.iter_mut().zip(found.chunks(TILE)) {
             for (entry, (keys, _)) in entries.iter().enumerate() {
                 tile.set(entry, keys);
@@ -100,7 +113,7 @@ impl<'a, W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, 
     }
 
     fn build_level(&mut self, level: usize) {
-        let levels = self.plan.levels();
+        let levels = self.how.plan.levels();
         let (below, above) = self.nodes.split_at_mut(levels.range(level).start);
         let below = &below[levels.range(level - 1)];
         for (id, tile) in above.iter_mut().take(levels.range(level).len()).enumerate() {
@@ -117,10 +130,14 @@ impl<'a, W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, 
     }
 
     fn resolve(&mut self, first: usize) {
-        let scene =
-            Occlusion { grid: &self.grid, levels: self.plan.levels(), nodes: &self.nodes, occluders: &self.in_order };
+        let scene = Occlusion {
+            grid: &self.grid,
+            levels: self.how.plan.levels(),
+            nodes: &self.nodes,
+            occluders: &self.in_order,
+        };
         let light = &self.grid.light;
-        let (isa, visit, points, keys) = (self.isa, self.visit, self.receivers.points(), &self.receiver_keys);
+        let (isa, visit, points, keys) = (self.how.isa, self.visit, self.receivers.points(), &self.receiver_keys);
         let total = Mutex::new(Counts::default());
         let empty = Group::<W>::empty(light.rows);
         self.receiver_order.par_chunks(TILE * GROUPS_A_JOB).for_each_init(
@@ -152,10 +169,37 @@ impl<'a, W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, 
     }
 }
 
-impl<W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W, P, V> {
-    type Error = Infallible;
+impl<W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'_, W, P, V> {
+    /// The stages of the grid, for the block of `count` receivers from `first`.
+    fn run_cells(&mut self, stage: Stage, first: usize) -> Result<(), ExecutorError> {
+        let Index::Grid(options) = self.how.index else { return Ok(()) };
+        let input = CellsInput {
+            options,
+            isa: self.how.isa,
+            light: &self.grid,
+            frame: &self.frame,
+            triangles: &self.triangles,
+            points: &self.receivers.points()[first..][..self.receiver_keys.len()],
+            keys: &self.receiver_keys,
+            first,
+        };
+        match stage {
+            Stage::DefineFrame => self.cells.define_frame(&input),
+            Stage::BinReceivers => self.statistics.receiver_entries += self.cells.bin_receivers(&input)?,
+            Stage::BinTriangles => self.statistics.triangle_entries += self.cells.bin_triangles(&input)?,
+            _ => {
+                let counts = self.cells.resolve::<W, P>(&input, self.visit);
+                self.statistics.counts = self.statistics.counts.plus(counts);
+            }
+        }
+        Ok(())
+    }
+}
 
-    fn dispatch(&mut self, pass: &Pass) -> Result<(), Infallible> {
+impl<W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W, P, V> {
+    type Error = ExecutorError;
+
+    fn dispatch(&mut self, pass: &Pass) -> Result<(), ExecutorError> {
         let start = Instant::now();
         let (first, count) = (pass.first as usize, pass.count as usize);
         match pass.stage {
@@ -167,6 +211,9 @@ impl<W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Executor for Ru
             Stage::KeyReceivers => self.key_receivers(first, count),
             Stage::OrderReceivers => self.receiver_order = ordered(&self.frame, &self.receiver_keys),
             Stage::Resolve => self.resolve(first),
+            Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells => {
+                self.run_cells(pass.stage, first)?;
+            }
         }
         self.statistics.add(pass.stage, start.elapsed());
         Ok(())

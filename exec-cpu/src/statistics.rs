@@ -9,6 +9,11 @@ use umbra4_core::{Counts, stage::Stage};
 pub struct Statistics {
     /// Pairs and fallbacks.
     pub counts: Counts,
+    /// Entries of receivers in the cells of the grid; over the number of receivers, the sample redundancy of Wang et al.
+    /// 2016, table 2. 0 where the hierarchy is the index.
+    pub receiver_entries: u64,
+    /// Entries of triangles in the cells of the grid, of all blocks of receivers.
+    pub triangle_entries: u64,
     /// Seconds spent in each stage that ran, in the order of the data flow.
     pub seconds_by_stage: Vec<(&'static str, f64)>,
 }

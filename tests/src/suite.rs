@@ -4,14 +4,14 @@
 
 use bytemuck::Zeroable;
 use umbra4_core::{
-    Exact, Lift, MaskWord, Plan, SceneFacts,
+    Exact, IndexKind, Lift, MaskWord, Plan, SceneFacts,
     edge_plane::Occluder,
     lattice::SnapParams,
     order::Entry,
     proj4::{KeyTile, NOTHING},
     serial::{Buffers, Serial},
 };
-use umbra4_cpu::{CpuExecutor, Isa};
+use umbra4_cpu::{Binning, CpuExecutor, GridOptions, Index, Isa, Rows};
 
 use crate::{
     compare::{Amount, Compared, Mismatch, bits_of, compare_masks, compare_visibility, lit_counts},
@@ -62,6 +62,28 @@ impl Cpu {
     }
 }
 
+impl Cpu {
+    /// The paper's grid with all its optimisations, on two threads.
+    pub fn grid() -> Self {
+        Self::nth_isa(2, 0).with_grid(GridOptions::default())
+    }
+
+    /// The paper's Algorithm 1: every receiver in all of its cells, no rejection, one light sample at a time.
+    pub fn plain_grid() -> Self {
+        Self::nth_isa(2, 0).with_grid(GridOptions {
+            cells: [13, 9],
+            binning: Binning::AllCells,
+            early_rejection: false,
+            rows: Rows::Bits,
+        })
+    }
+
+    fn with_grid(self, options: GridOptions) -> Self {
+        let name = format!("{}, {options:?}", self.name);
+        Self { executor: self.executor.with_index(Index::Grid(options)), name }
+    }
+}
+
 impl Subject for Cpu {
     fn name(&self) -> String {
         self.name.clone()
@@ -101,6 +123,7 @@ impl SerialSubject {
             world_receivers: false,
             visibility,
             block: self.block,
+            index: IndexKind::Hierarchy,
         });
         let mut masks = vec![W::EMPTY; points.len() * inputs.light.rows as usize];
         let mut fractions = vec![f32::NAN; if visibility { points.len() } else { 0 }];

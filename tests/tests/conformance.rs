@@ -8,4 +8,6 @@ conformance_suite! {
     cpu_two_threads => umbra4_tests::suite::Cpu::nth_isa(2, 0),
     cpu_second_instruction_set => umbra4_tests::suite::Cpu::nth_isa(1, 1),
     cpu_portable => umbra4_tests::suite::Cpu::new(1, umbra4_cpu::Isa::Portable),
+    cpu_grid => umbra4_tests::suite::Cpu::grid(),
+    cpu_plain_grid => umbra4_tests::suite::Cpu::plain_grid(),
 }

@@ -4,7 +4,7 @@ use umbra4_core::{
     AreaLight, Bounds, Lattice, LatticeError, LatticeLight, Lift, LightError, SnapError,
     glam::{DVec3, IVec3, Vec3},
 };
-use umbra4_cpu::{CpuExecutor, ExecutorError, Occluders, Receivers, SceneError};
+use umbra4_cpu::{CpuExecutor, ExecutorError, GridOptions, Index, Occluders, Receivers, SceneError};
 
 fn lattice() -> Lattice {
     Lattice::covering(Bounds { min: DVec3::splat(-8.0), max: DVec3::splat(8.0) }).expect("bounds are fine")
@@ -249,4 +249,26 @@ fn words_too_narrow() {
     assert_eq!(error, ExecutorError::WordTooNarrow { columns: 33, bits: 32 });
     assert!(executor.masks::<u16>(&occluders, &light(16), &receivers).is_ok());
     assert!(executor.masks::<u64>(&occluders, &light(64), &receivers).is_ok());
+}
+
+#[test]
+fn grids_that_cannot_be() {
+    let light = LatticeLight {
+        origin: IVec3::new(0, 1000, 0),
+        step_u: IVec3::X * 64,
+        step_v: IVec3::Z * 64,
+        rows: 2,
+        columns: 2,
+    };
+    let receivers = Receivers::raw(&lattice(), &[Vec3::ZERO]).expect("receivers are fine");
+    let run = |cells| {
+        let index = Index::Grid(GridOptions { cells, ..GridOptions::default() });
+        CpuExecutor::new().with_index(index).masks::<u16>(&Occluders::default(), &light, &receivers)
+    };
+    for (cells, field, value) in [([0, 1], "cells[0]", 0), ([1, 0], "cells[1]", 0), ([1, 4097], "cells[1]", 4097)] {
+        let error = run(cells).expect_err("no such grid");
+        assert_eq!(error, ExecutorError::GridCells { field, value });
+        names(&error, &[field, &value.to_string(), "1..=4096"]);
+    }
+    assert!(run([1, 4096]).is_ok());
 }

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use bytemuck::Zeroable;
 use umbra4_core::{
-    Exact, Lattice, Lift, Plan, SceneFacts,
+    Exact, IndexKind, Lattice, Lift, Plan, SceneFacts,
     edge_plane::Occluder,
     frame::LightFrame,
     glam::Vec3,
@@ -181,6 +181,7 @@ fn the_serial_executor_snaps_as_the_host_does() {
             world_receivers: true,
             visibility: false,
             block: 100,
+            index: IndexKind::Hierarchy,
         });
         let (mut snapped_vertices, mut snapped_receivers) =
             (vec![Default::default(); vertices], vec![Default::default(); receivers]);

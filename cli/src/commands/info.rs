@@ -2,7 +2,7 @@
 
 use std::io::{Write, stdout};
 
-use umbra4_core::{Plan, SceneFacts};
+use umbra4_core::{IndexKind, Plan, SceneFacts};
 use umbra4_cpu::{CpuExecutor, Isa};
 
 use crate::error::ProgramError;
@@ -15,6 +15,7 @@ const EXAMPLE: SceneFacts = SceneFacts {
     world_receivers: false,
     visibility: true,
     block: 1 << 18,
+    index: IndexKind::Hierarchy,
 };
 
 pub(super) fn run() -> Result<(), ProgramError> {

@@ -8,6 +8,7 @@ pub mod key_receivers;
 pub mod key_triangles;
 pub mod reduce;
 pub mod resolve;
+pub mod resolve_cells;
 pub mod snap_receivers;
 pub mod snap_vertices;
 
@@ -31,6 +32,14 @@ pub enum Stage {
     OrderReceivers,
     /// Masks of a group of receivers.
     Resolve,
+    /// Plane and extent of the frame buffer of [`crate::grid`].
+    DefineFrame,
+    /// Receivers into the cells of the frame buffer.
+    BinReceivers,
+    /// Triangles into the cells of the frame buffer.
+    BinTriangles,
+    /// Masks of the receivers of a cell.
+    ResolveCells,
     /// Mask → lit count → visibility.
     Reduce,
 }
@@ -61,6 +70,12 @@ pub enum Binding {
     ReceiverKeys,
     /// Receivers in order.
     Groups,
+    /// The [`crate::grid::FrameBuffer`].
+    FrameBuffer,
+    /// Receivers cell by cell.
+    ReceiverCells,
+    /// Triangles cell by cell.
+    TriangleCells,
     /// Mask words, receiver-major.
     Masks,
     /// Lit samples of every receiver.
@@ -91,7 +106,7 @@ pub struct StageInfo {
 use Binding as B;
 
 /// All stages, in the order in which data flows.
-pub const TABLE: [StageInfo; 9] = [
+pub const TABLE: [StageInfo; 13] = [
     StageInfo {
         stage: Stage::SnapVertices,
         name: "snap_vertices",
@@ -153,6 +168,38 @@ pub const TABLE: [StageInfo; 9] = [
         name: "resolve",
         id: "group of sixteen receivers",
         reads: &[B::Receivers, B::Groups, B::Occluders, B::Nodes],
+        writes: &[B::Masks],
+        workgroup: 16,
+    },
+    StageInfo {
+        stage: Stage::DefineFrame,
+        name: "define_frame",
+        id: "receiver",
+        reads: &[B::ReceiverKeys],
+        writes: &[B::FrameBuffer],
+        workgroup: 64,
+    },
+    StageInfo {
+        stage: Stage::BinReceivers,
+        name: "bin_receivers",
+        id: "receiver",
+        reads: &[B::ReceiverKeys, B::FrameBuffer],
+        writes: &[B::ReceiverCells],
+        workgroup: 64,
+    },
+    StageInfo {
+        stage: Stage::BinTriangles,
+        name: "bin_triangles",
+        id: "triangle",
+        reads: &[B::TriangleKeys, B::FrameBuffer],
+        writes: &[B::TriangleCells],
+        workgroup: 64,
+    },
+    StageInfo {
+        stage: Stage::ResolveCells,
+        name: "resolve_cells",
+        id: "receiver",
+        reads: &[B::Receivers, B::ReceiverCells, B::TriangleKeys, B::TriangleCells],
         writes: &[B::Masks],
         workgroup: 16,
     },

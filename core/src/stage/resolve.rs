@@ -5,6 +5,7 @@
 //! out, and the walk ends with the last of them.
 
 use crate::{
+    bit_mask,
     edge_plane::{LightGrid, Lines, Occluder, PairPlanes, ReceiverTile},
     hierarchy::{Levels, Walk},
     lanes::{Lanes, TILE},
@@ -166,6 +167,29 @@ pub fn resolve_pairs<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
     lines: &mut Lines<E>,
     group: &mut Group<W>,
 ) {
+    fill_pairs::<L, W, P, E, false>(grid, occluder, kept, lines, group);
+}
+
+/// As [`resolve_pairs`], one light sample at a time. For measurements: the bits are the same.
+#[inline(always)]
+pub fn resolve_bits<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
+    grid: &LightGrid,
+    occluder: &Occluder,
+    kept: u32,
+    lines: &mut Lines<E>,
+    group: &mut Group<W>,
+) {
+    fill_pairs::<L, W, P, E, true>(grid, occluder, kept, lines, group);
+}
+
+#[inline(always)]
+fn fill_pairs<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize, const BITS: bool>(
+    grid: &LightGrid,
+    occluder: &Occluder,
+    kept: u32,
+    lines: &mut Lines<E>,
+    group: &mut Group<W>,
+) {
     let planes = PairPlanes::new(grid, &group.receivers, occluder);
     let mut alive = planes.lines::<L, P, E>(kept, lines, &mut group.counts.fallbacks);
     while alive != 0 {
@@ -177,7 +201,12 @@ pub fn resolve_pairs<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
             corners: occluder.corners,
             fallbacks: &mut group.counts.fallbacks,
         };
-        let relevant = row_mask::fill::<L, W, P, E>(lines, lane, &mut pair, &mut group.masks[lane]);
+        let mask = &mut group.masks[lane];
+        let relevant = if BITS {
+            bit_mask::fill_bits::<L, W, P, E>(lines, lane, &mut pair, mask)
+        } else {
+            row_mask::fill::<L, W, P, E>(lines, lane, &mut pair, mask)
+        };
         group.relevant[lane] += relevant as u32;
         group.counts.pairs_relevant += relevant as u64;
         group.touched |= (relevant as u32) << lane;

@@ -1,11 +1,14 @@
-//! Instruction sets: which of them the processor has, and the resolve kernel compiled for each.
+//! Instruction sets: which of them the processor has, and the resolve kernels compiled for each.
 
 use std::fmt;
 
 use umbra4_core::{
     MaskWord, PrecisionMode,
     lanes::Sixteen,
-    stage::resolve::{Group, Occlusion, resolve},
+    stage::{
+        resolve::{Group, Occlusion, resolve},
+        resolve_cells::{CellScene, resolve_cell},
+    },
 };
 
 #[cfg(target_arch = "x86_64")]
@@ -71,6 +74,25 @@ impl Isa {
             Self::Portable => resolve::<Sixteen, W, P>(scene, group),
         }
     }
+
+    /// Fills the masks of a group with the triangles `list` of its cell. `self` comes from [`Isa::available`].
+    #[inline]
+    pub(crate) fn resolve_cell<W: MaskWord, P: PrecisionMode>(
+        self,
+        scene: &CellScene<'_>,
+        list: &[u32],
+        group: &mut Group<W>,
+    ) {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: an executor only holds an instruction set that `available` has detected.
+            Self::Avx512 => unsafe { resolve_cell_avx512::<W, P>(scene, list, group) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            Self::Avx2 => unsafe { resolve_cell_avx2::<W, P>(scene, list, group) },
+            Self::Portable => resolve_cell::<Sixteen, W, P>(scene, list, group),
+        }
+    }
 }
 
 impl fmt::Display for Isa {
@@ -95,4 +117,16 @@ fn resolve_avx512<W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
 fn resolve_avx2<W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
     resolve::<avx2::Avx2, W, P>(scene, group);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn resolve_cell_avx512<W: MaskWord, P: PrecisionMode>(scene: &CellScene<'_>, list: &[u32], group: &mut Group<W>) {
+    resolve_cell::<avx512::Avx512, W, P>(scene, list, group);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+fn resolve_cell_avx2<W: MaskWord, P: PrecisionMode>(scene: &CellScene<'_>, list: &[u32], group: &mut Group<W>) {
+    resolve_cell::<avx2::Avx2, W, P>(scene, list, group);
 }
