@@ -30,3 +30,10 @@ fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
     #[cfg(not(feature = "no-panic"))]
     loop {}
 }
+
+/// Indexes out of bounds.
+#[cfg(feature = "with-panic")]
+#[unsafe(no_mangle)]
+pub extern "C" fn check_panic(values: &[u32], index: usize) -> u32 {
+    values[index]
+}
