@@ -23,7 +23,7 @@ pub mod scenes;
 pub mod second_oracle;
 pub mod suite;
 
-/// The README's example is compiled and run.
+/// The README's example compiles.
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 pub struct Readme;
