@@ -12,7 +12,7 @@ use obvhs::{
 use umbra4_core::glam::Vec3;
 
 use crate::{
-    contender::{Contender, ContenderError, Seconds},
+    contender::{Contender, ContenderError, Run},
     primary::rival_triangles,
     problem::Problem,
     row_word::RowWord,
@@ -92,12 +92,12 @@ impl Hierarchy {
 }
 
 impl<W: RowWord> Contender<W> for BvhRival {
-    fn run(&self, problem: &Problem<'_>, threads: usize, out: &mut [W]) -> Result<Seconds, ContenderError> {
+    fn run(&self, problem: &Problem<'_>, threads: usize, out: &mut [W]) -> Result<Run, ContenderError> {
         let start = Instant::now();
         let hierarchy = Hierarchy::build(self, problem);
         let build = start.elapsed().as_secs_f64();
         let start = Instant::now();
         problem.for_blocks(threads, out, |origins, rows| hierarchy.masks(problem, origins, rows));
-        Ok(Seconds { build, masks: start.elapsed().as_secs_f64() })
+        Ok(Run { build, masks: start.elapsed().as_secs_f64(), counts: None })
     }
 }

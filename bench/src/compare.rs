@@ -3,15 +3,16 @@
 use std::path::PathBuf;
 
 use thiserror::Error;
+use umbra4_core::Counts;
 
 use crate::{
-    contender::{ContenderError, Entry, Seconds, by_name},
+    contender::{ContenderError, Entry, Run, by_name},
     primary::hits,
     problem::{Problem, ProblemError},
     row_word::RowWord,
     scene::{SceneError, scene},
     subset,
-    table::Line,
+    table::{Line, Pairs},
 };
 
 /// Why a comparison stops.
@@ -44,8 +45,12 @@ pub struct Options {
     pub size: u32,
     /// Threads of every contender.
     pub threads: usize,
-    /// Runs of every contender.
+    /// Least number of runs of every contender.
     pub repeat: usize,
+    /// Seconds that every contender is measured for, at least.
+    pub seconds: f64,
+    /// The diagonal of the light in the paper's units.
+    pub light: f64,
     /// At most about so many receivers for everybody.
     pub receivers: usize,
     /// At most about so many receivers for the rivals.
@@ -56,50 +61,42 @@ pub struct Options {
     pub picture: Option<PathBuf>,
 }
 
+/// What came out for one scene.
+#[derive(Clone, Debug)]
+pub struct Comparison {
+    /// The setting, and what the first contender's masks say about it.
+    pub setting: String,
+    /// A line a contender.
+    pub lines: Vec<Line>,
+}
+
 /// Runs all contenders on one scene, and says what is going on on stderr.
 ///
 /// # Errors
 /// An unknown scene or contender; whatever a contender refuses.
-pub fn compare<W: RowWord>(name: &str, options: &Options) -> Result<Vec<Line>, CompareError> {
+pub fn compare<W: RowWord>(name: &str, options: &Options) -> Result<Comparison, CompareError> {
     let entries = options.contenders.iter().map(|name| by_name(name)).collect::<Result<Vec<Entry<W>>, _>>()?;
-    let scene = scene(name, &options.scenes, options.samples)?;
+    let scene = scene(name, &options.scenes, options.samples, options.light)?;
     let all = hits(&scene.model, &scene.camera, options.size);
     let chosen: Vec<_> = subset::tiles(&all, options.receivers, options.seed).into_iter().map(|i| all[i]).collect();
     let rival_indices = subset::tiles(&chosen, options.rival_receivers, options.seed);
     let rival_hits: Vec<_> = rival_indices.iter().map(|&i| chosen[i]).collect();
     let ours = Problem::new(&scene, &all, &chosen)?;
     let theirs = Problem::new(&scene, &all, &rival_hits)?;
-    eprintln!(
-        "{name}: {} triangles, {} receivers of {} pixels, {} behind the light",
-        scene.model.triangles.len(),
-        chosen.len(),
-        options.size * options.size,
-        ours.count_behind_light(),
-    );
-
-    let mut results: Vec<Measured<W>> = Vec::new();
-    for round in 0..options.repeat.max(1) {
-        for (index, entry) in entries.iter().enumerate() {
-            let problem = if entry.ours { &ours } else { &theirs };
-            let mut masks = vec![W::EMPTY; problem.receivers.len() * problem.rows()];
-            let seconds = entry.contender.run(problem, options.threads, &mut masks)?;
-            eprintln!("{name}: {} {:.3} + {:.3} s", entry.name, seconds.build, seconds.masks);
-            let micros = micros_per_receiver(seconds, chosen.len(), problem.receivers.len());
-            if round == 0 {
-                results.push(Measured { seconds, micros, masks });
-            } else if micros < results[index].micros {
-                results[index] = Measured { seconds, micros, masks };
-            }
-        }
-    }
+    let problem = |entry: &Entry<W>| if entry.ours { &ours } else { &theirs };
+    let results = measure(name, &entries, options, problem)?;
 
     if let (Some(path), Some(entry), Some(first)) = (&options.picture, entries.first(), results.first()) {
         let hits = if entry.ours { &chosen } else { &rival_hits };
         crate::picture::write(path, options.size, hits, &first.masks, ours.light.sample_count())?;
     }
 
-    let exact = entries.iter().position(|entry| entry.name == "umbra4");
     let rows = ours.rows();
+    let exact = entries.iter().position(|entry| entry.name == "umbra4");
+    let micros = |measured: &Measured<W>, receivers: usize| {
+        // Building is shared by all receivers, also where only some of them were measured.
+        1e6 * (measured.build / chosen.len().max(1) as f64 + measured.masks_seconds / receivers.max(1) as f64)
+    };
     let lines = entries.iter().zip(&results).map(|(entry, measured)| {
         let receivers = if entry.ours { chosen.len() } else { rival_hits.len() };
         let differing = exact.map(|exact| {
@@ -120,26 +117,81 @@ pub fn compare<W: RowWord>(name: &str, options: &Options) -> Result<Vec<Line>, C
             samples: options.samples,
             receivers,
             all_receivers: chosen.len(),
-            build_seconds: measured.seconds.build,
-            masks_seconds: measured.seconds.masks,
-            micros: measured.micros,
-            ratio: exact.map(|exact| measured.micros / results[exact].micros),
+            runs: measured.runs,
+            build_seconds: measured.build,
+            masks_seconds: measured.masks_seconds,
+            micros: micros(measured, receivers),
+            ratio: exact.map(|exact| micros(measured, receivers) / micros(&results[exact], chosen.len())),
+            pairs: measured.counts.map(|counts| Pairs::per_receiver(counts, receivers)),
             differing,
         }
     });
-    Ok(lines.collect())
+    let lines = lines.collect();
+    let first = results.first().map_or(&[][..], |first| &first.masks);
+    let setting = format!(
+        "{name}: {} triangles, {}; {} receivers of {} pixels, {} behind the light; {}",
+        scene.model.triangles.len(),
+        scene.setting(),
+        chosen.len(),
+        options.size * options.size,
+        ours.count_behind_light(),
+        light_and_shadow(first, rows, ours.light.sample_count()),
+    );
+    Ok(Comparison { setting, lines })
 }
 
-/// The best run of one contender.
+/// What is known of one contender: the least time that building and masks took, each over all runs.
 struct Measured<W> {
-    seconds: Seconds,
-    micros: f64,
+    runs: usize,
+    build: f64,
+    masks_seconds: f64,
+    counts: Option<Counts>,
     masks: Vec<W>,
 }
 
-/// Time per receiver; building is shared by `all` receivers, also where only `measured` of them were.
-fn micros_per_receiver(seconds: Seconds, all: usize, measured: usize) -> f64 {
-    1e6 * (seconds.build / all.max(1) as f64 + seconds.masks / measured.max(1) as f64)
+/// Runs all contenders in turn, always the one that was measured for the shortest time, so that whatever disturbs the
+/// machine disturbs all of them, and all have about the same time to find their least in.
+fn measure<'a, W: RowWord>(
+    name: &str,
+    entries: &[Entry<W>],
+    options: &Options,
+    problem: impl Fn(&Entry<W>) -> &'a Problem<'a>,
+) -> Result<Vec<Measured<W>>, CompareError> {
+    let nothing = |_| Measured { runs: 0, build: f64::MAX, masks_seconds: f64::MAX, counts: None, masks: Vec::new() };
+    let mut results: Vec<Measured<W>> = entries.iter().map(nothing).collect();
+    let mut spent = vec![0.0; entries.len()];
+    loop {
+        let unfinished = |&i: &usize| spent[i] < options.seconds || results[i].runs < options.repeat.max(1);
+        let next = (0..entries.len()).filter(unfinished).min_by(|&a, &b| f64::total_cmp(&spent[a], &spent[b]));
+        let Some(next) = next else { return Ok(results) };
+        let (entry, problem) = (&entries[next], problem(&entries[next]));
+        let mut masks = vec![W::EMPTY; problem.receivers.len() * problem.rows()];
+        let Run { build, masks: masks_seconds, counts } = entry.contender.run(problem, options.threads, &mut masks)?;
+        eprintln!("{name}: {} {build:.3} + {masks_seconds:.3} s", entry.name);
+        spent[next] += build + masks_seconds;
+        let best = &mut results[next];
+        *best = Measured {
+            runs: best.runs + 1,
+            build: best.build.min(build),
+            masks_seconds: best.masks_seconds.min(masks_seconds),
+            counts,
+            masks,
+        };
+    }
+}
+
+/// How much of the light receivers see, in words.
+fn light_and_shadow<W: RowWord>(masks: &[W], rows: usize, samples: u32) -> String {
+    let (mut blocked, mut penumbra, mut receivers) = (0, 0_u64, 0_u64);
+    for mask in masks.chunks_exact(rows.max(1)) {
+        let count: u32 = mask.iter().map(|word| word.count()).sum();
+        blocked += u64::from(count);
+        penumbra += u64::from(count > 0 && count < samples);
+        receivers += 1;
+    }
+    let receivers = receivers.max(1) as f64;
+    let visibility = 1.0 - blocked as f64 / (receivers * f64::from(samples));
+    format!("mean visibility {visibility:.3}, {:.1} % of the receivers in penumbra", 1e2 * penumbra as f64 / receivers)
 }
 
 /// Bits that differ between two equally long sequences of masks.

@@ -1,17 +1,20 @@
 //! The contenders: what they have in common, and how they are named.
 
 use thiserror::Error;
+use umbra4_core::Counts;
 use umbra4_cpu::{ExecutorError, Precision, SceneError};
 
 use crate::{bvh_rival::BvhRival, problem::Problem, row_word::RowWord, umbra::Umbra};
 
-/// Seconds of one run.
+/// One run: its seconds, and what was counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seconds {
-    /// Making the occluders ready: a hierarchy, or the snap to the lattice.
+pub struct Run {
+    /// Seconds of making the occluders ready: a hierarchy, or the snap to the lattice.
     pub build: f64,
-    /// All masks.
+    /// Seconds of all masks.
     pub masks: f64,
+    /// Pairs of receivers and triangles; ray tracers have none.
+    pub counts: Option<Counts>,
 }
 
 /// Why a contender did not finish, or is not known.
@@ -56,7 +59,7 @@ pub trait Contender<W: RowWord> {
     ///
     /// # Errors
     /// Whatever the contender refuses.
-    fn run(&self, problem: &Problem<'_>, threads: usize, out: &mut [W]) -> Result<Seconds, ContenderError>;
+    fn run(&self, problem: &Problem<'_>, threads: usize, out: &mut [W]) -> Result<Run, ContenderError>;
 }
 
 /// A contender and what tables say about it.

@@ -5,7 +5,6 @@ mod compare;
 mod contender;
 #[cfg(feature = "embree")]
 mod embree;
-mod load;
 mod picture;
 mod primary;
 mod problem;
@@ -16,11 +15,15 @@ mod table;
 #[cfg(all(feature = "tinybvh", target_feature = "avx2"))]
 mod tiny_rival;
 mod umbra;
+mod unsnapped;
+mod verify;
 
 use std::{path::PathBuf, process::ExitCode};
 
 use clap::{Args, Parser, Subcommand};
-use compare::{CompareError, Options, compare};
+use compare::{CompareError, Comparison, Options, compare};
+use scene::PAPER_LIGHT;
+use verify::{VerifyError, verify};
 
 /// Benchmarks of umbra4.
 #[derive(Parser)]
@@ -34,6 +37,9 @@ struct Cli {
 enum Command {
     /// Compares umbra4 with ray tracers, and prints a Markdown table.
     Compare(CompareArgs),
+    /// Checks the bits of random receivers on the real scenes against the oracles, and prints Markdown tables. The exit
+    /// code is 1 where a bit is wrong.
+    Verify(VerifyArgs),
 }
 
 /// Contenders that a plain run compares.
@@ -64,14 +70,20 @@ struct CompareArgs {
     /// Threads of every contender.
     #[arg(long, default_value_t = 1)]
     threads: usize,
-    /// Runs of every contender, interleaved; the fastest counts.
+    /// Seconds that every contender is measured for, at least; runs are interleaved, and the least times count.
+    #[arg(long, default_value_t = 10.0, value_parser = seconds)]
+    seconds: f64,
+    /// Runs of every contender, at least.
     #[arg(long, default_value_t = 3)]
     repeat: usize,
+    /// Diagonal of the light in the paper's units (its table 5: 1 to 5).
+    #[arg(long, default_value_t = PAPER_LIGHT, value_parser = light_scale)]
+    light_scale: f64,
     /// Measure everybody on about so many receivers, in whole 8×8 image tiles.
     #[arg(long, default_value_t = usize::MAX, hide_default_value = true)]
     receivers: usize,
-    /// Measure the rivals on about so many receivers, in whole 8×8 image tiles.
-    #[arg(long, default_value_t = usize::MAX, hide_default_value = true)]
+    /// Measure the rivals on about so many receivers, in whole 8×8 image tiles, so that they too have several runs.
+    #[arg(long, default_value_t = 16384)]
     rival_receivers: usize,
     /// Chooses the tiles.
     #[arg(long, default_value_t = 1)]
@@ -101,6 +113,8 @@ impl CompareArgs {
             size: self.size,
             threads: self.threads.max(1),
             repeat: if self.single_run { 1 } else { self.repeat },
+            seconds: if self.single_run { 0.0 } else { self.seconds },
+            light: self.light_scale,
             receivers: self.receivers,
             rival_receivers: self.rival_receivers,
             seed: self.seed,
@@ -109,29 +123,95 @@ impl CompareArgs {
     }
 }
 
-fn run(args: &CompareArgs) -> Result<(), CompareError> {
+#[derive(Args)]
+struct VerifyArgs {
+    /// Where bench/fetch-scenes.sh put the models.
+    #[arg(long, default_value = "target/scenes")]
+    scenes: PathBuf,
+    /// The scenes to verify, where they are there; all of them unless said otherwise.
+    #[arg(long, value_delimiter = ',')]
+    scene: Vec<String>,
+    /// Scenes that have to be there.
+    #[arg(long, value_delimiter = ',')]
+    require: Vec<String>,
+    /// Random receivers a scene: half of them surface points (asked for lifted and raw), half points of its box. As many
+    /// again are chosen from penumbrae.
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..))]
+    receivers: u32,
+    /// Receivers of each kind that the slow second oracle is asked about.
+    #[arg(long, default_value_t = 16)]
+    unsnapped: usize,
+    /// Diagonal of the light in the paper's units (its table 5: 1 to 5).
+    #[arg(long, default_value_t = PAPER_LIGHT, value_parser = light_scale)]
+    light_scale: f64,
+    /// Chooses the receivers.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+impl VerifyArgs {
+    fn options(&self) -> verify::Options {
+        let named = !self.scene.is_empty();
+        verify::Options {
+            scenes: self.scenes.clone(),
+            names: if named { self.scene.clone() } else { scene::names().map(str::to_owned).collect() },
+            require: self.require.clone(),
+            receivers: self.receivers as usize,
+            unsnapped: self.unsnapped,
+            light: self.light_scale,
+            seed: self.seed,
+        }
+    }
+}
+
+fn in_range(text: &str, range: std::ops::RangeInclusive<f64>) -> Result<f64, String> {
+    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if range.contains(&value) { Ok(value) } else { Err(format!("not in {} to {}", range.start(), range.end())) }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    in_range(text, 0.0..=1e6)
+}
+
+fn light_scale(text: &str) -> Result<f64, String> {
+    in_range(text, 1.0..=5.0)
+}
+
+fn run_compare(args: &CompareArgs) -> Result<(), CompareError> {
     let options = args.options();
     let mut lines = Vec::new();
     for scene in &args.scene {
-        lines.extend(match options.samples {
+        let Comparison { setting, lines: of_scene } = match options.samples {
             ..=32 => compare::<u32>(scene, &options)?,
             _ => compare::<u64>(scene, &options)?,
-        });
+        };
+        println!("- {setting}");
+        lines.extend(of_scene);
     }
-    print!("{}", table::markdown(&lines));
+    print!("\n{}\n{}", table::markdown(&lines), table::precisions(&lines));
     if let Some(path) = &args.csv {
         std::fs::write(path, table::csv(&lines))?;
     }
     Ok(())
 }
 
+fn run_verify(args: &VerifyArgs) -> Result<ExitCode, VerifyError> {
+    let report = verify(&args.options())?;
+    print!("{}", report.markdown());
+    if report.holds() {
+        return Ok(ExitCode::SUCCESS);
+    }
+    eprintln!("umbra4-bench: bits are wrong");
+    Ok(ExitCode::from(1))
+}
+
 fn main() -> ExitCode {
-    let Command::Compare(args) = Cli::parse().command;
-    match run(&args) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("umbra4-bench: {error}");
-            ExitCode::from(2)
-        }
+    let fail = |error: &dyn std::error::Error| {
+        eprintln!("umbra4-bench: {error}");
+        ExitCode::from(2)
+    };
+    match Cli::parse().command {
+        Command::Compare(args) => run_compare(&args).map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
+        Command::Verify(args) => run_verify(&args).unwrap_or_else(|e| fail(&e)),
     }
 }

@@ -8,9 +8,8 @@ use obvhs::{
     ray::{Ray, RayHit},
     triangle::Triangle,
 };
+use umbra4::model::Model;
 use umbra4_core::glam::{DVec3, Vec3};
-
-use crate::load::Model;
 
 /// A pinhole camera with a square image; y is up.
 #[derive(Clone, Copy, Debug)]

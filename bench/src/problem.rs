@@ -1,13 +1,14 @@
 //! What every contender is given: the same occluders, light and receivers, on the lattice and in the world.
 
 use thiserror::Error;
+use umbra4::model::Model;
 use umbra4_core::{
     Bounds, Lattice, LatticeError, LatticeLight, Lift, LightError, MaskWord,
     glam::{DVec3, Vec3},
 };
 use umbra4_cpu::{Receivers, SceneError};
 
-use crate::{load::Model, primary::Hit, scene::Scene};
+use crate::{primary::Hit, scene::Scene};
 
 /// Why a problem cannot be posed.
 #[derive(Debug, Error)]

@@ -8,7 +8,7 @@ use tinybvh_rs::{Intersector, Ray, bvh, bvh8_cpu, mbvh};
 use umbra4_core::glam::Vec3;
 
 use crate::{
-    contender::{Contender, ContenderError, Seconds},
+    contender::{Contender, ContenderError, Run},
     problem::Problem,
     row_word::RowWord,
 };
@@ -78,12 +78,12 @@ fn blocked(bvh: &bvh8_cpu::BVH, origin: Vec3, sample: Vec3) -> bool {
 
 impl<W: RowWord> Contender<W> for TinyRival {
     /// Runs on one thread, whatever `threads` is: the binding's hierarchies cannot be shared.
-    fn run(&self, problem: &Problem<'_>, _threads: usize, out: &mut [W]) -> Result<Seconds, ContenderError> {
+    fn run(&self, problem: &Problem<'_>, _threads: usize, out: &mut [W]) -> Result<Run, ContenderError> {
         let start = Instant::now();
         let bvh = self.build(problem)?;
         let build = start.elapsed().as_secs_f64();
         let start = Instant::now();
         masks(&bvh, problem, out);
-        Ok(Seconds { build, masks: start.elapsed().as_secs_f64() })
+        Ok(Run { build, masks: start.elapsed().as_secs_f64(), counts: None })
     }
 }

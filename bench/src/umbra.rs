@@ -5,7 +5,7 @@ use std::time::Instant;
 use umbra4_cpu::{CpuExecutor, Occluders, Precision};
 
 use crate::{
-    contender::{Contender, ContenderError, Seconds},
+    contender::{Contender, ContenderError, Run},
     problem::Problem,
     row_word::RowWord,
 };
@@ -18,11 +18,11 @@ pub struct Umbra {
 }
 
 impl<W: RowWord> Contender<W> for Umbra {
-    fn run(&self, problem: &Problem<'_>, threads: usize, out: &mut [W]) -> Result<Seconds, ContenderError> {
+    fn run(&self, problem: &Problem<'_>, threads: usize, out: &mut [W]) -> Result<Run, ContenderError> {
         let executor = CpuExecutor::new().with_threads(threads)?.with_precision(self.precision);
-        let (seconds, words) = measured_section(&executor, problem)?;
+        let (run, words) = measured_section(&executor, problem)?;
         out.copy_from_slice(&words);
-        Ok(seconds)
+        Ok(run)
     }
 }
 
@@ -31,11 +31,12 @@ impl<W: RowWord> Contender<W> for Umbra {
 fn measured_section<W: RowWord>(
     executor: &CpuExecutor,
     problem: &Problem<'_>,
-) -> Result<(Seconds, Vec<W>), ContenderError> {
+) -> Result<(Run, Vec<W>), ContenderError> {
     let start = Instant::now();
     let occluders = Occluders::new(&problem.lattice, &problem.model.vertices, &problem.model.triangles)?;
     let build = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let (masks, _) = executor.masks::<W>(&occluders, &problem.light, &problem.receivers)?;
-    Ok((Seconds { build, masks: start.elapsed().as_secs_f64() }, masks.into_words()))
+    let (masks, statistics) = executor.masks::<W>(&occluders, &problem.light, &problem.receivers)?;
+    let run = Run { build, masks: start.elapsed().as_secs_f64(), counts: Some(statistics.counts) };
+    Ok((run, masks.into_words()))
 }

@@ -7,31 +7,33 @@
 //!
 //! # Error bound
 //! For receiver p, edge a → b and sample (i, j), the sign sought is that of
-//! `f(i, j) = n·(O − p) + i·(n·dV) + j·(n·dU)` with `n = (a − p) × (b − a)`. With d = a − p, e = b − a, g = O − p, all
-//! exact integer differences, each of its terms is a product of one component each of d, e and g (or dV, dU) under at
-//! most eight relative errors ε: three conversions, two products, one difference and two sums. The sum of the terms'
-//! magnitudes is at most `‖d‖₁·‖e‖₁·‖g‖∞` (for each pair of components of d and e there is one of g). This is the
-//! permanent's bound, so it also covers contraction and redistribution by a compiler. Hence
-//! `|f̂ − f| ≤ 8ε·s·r` with `s = ‖d‖₁‖e‖₁` and `r = ‖g‖∞ + (rows−1)‖dV‖∞ + (columns−1)‖dU‖∞`.
+//! `f(i, j) = A + C·i + B·j` with `A = n·(O − p)`, `C = n·dV`, `B = n·dU` and `n = (a − p) × (b − a)`. Each term of the
+//! expanded sum is a product of one component each of d = a − p, e = b − a and g = O − p (or dV, dU), all exact integer
+//! differences, under at most eight relative errors ε: three conversions, two products, one difference, two sums.
+//! So `|f̂ − f| ≤ 8ε·P`, where P is the permanent: the same sum over absolute values, with
+//! `|g| + (rows−1)·|dV| + (columns−1)·|dU|` in the place of g. Contraction and redistribution by a compiler only regroup
+//! those terms, and are covered.
 //!
-//! A slope `B = n·dU` below its own error, `8ε·s·‖dU‖∞`, is replaced by that error: this doubles the last term of r, and
-//! keeps the quotients finite. The switch column `x(i) = −(A + C·i)/B` is computed as `α + β·i` from a reciprocal
-//! (3ε), two products and a sum: at most `7ε·s·r/|B|`. So column j is on the side that the float says if
-//! `|j − x̂(i)| > δ = 16ε·s·r/|B|`, which leaves one ε for the bound's own arithmetic.
+//! A slope |B| below `least = 2^-10·bound` is replaced by it, to keep quotients finite: at most one ε·P more, over 64
+//! columns. The switch column `x(i) = −(A + C·i)/B` is computed as `α + β·i` from a reciprocal (3ε), products and sums: at
+//! most `7ε·P/|B|`. So column j is on the side that the float says if `|j − x̂(i)| > doubt`, where
+//! `doubt = bound/|B|` and `bound = 18ε·P`: 16, and two to spare for the bound's own arithmetic and second-order terms.
 
 use glam::{IVec3, Vec3};
 
 use crate::{
-    exact::{self, Wide},
+    exact::{self, Wide, WideInt},
     lanes::{Lanes, TILE},
     light::LatticeLight,
     precision::PrecisionMode,
 };
 
-/// Coefficient of the bound on the switch column: 16 roundoffs.
-const COLUMN_ERRORS: f32 = 16.0;
-/// Coefficient of the bound on a slope, and on the side of a triangle's plane: eight roundoffs, and one to spare.
-const FORM_ERRORS: f32 = 9.0;
+/// Roundoffs in the bound on the switch column.
+const COLUMN_ERRORS: f32 = 18.0;
+/// Roundoffs in the bound on the side of a triangle's plane: eight, and one to spare.
+const SIDE_ERRORS: f32 = 9.0;
+/// The least slope that is divided by, in units of the bound.
+const LEAST_SLOPE: f32 = 1.0 / 1024.0;
 
 /// What the planes of all pairs need of the light, in f32.
 #[derive(Clone, Copy, Debug)]
@@ -43,25 +45,16 @@ pub struct LightGrid {
     step_v: Vec3,
     last_column: f32,
     last_row: f32,
-    largest_u: f32,
-    reach: f32,
+    extent: Vec3,
 }
 
 impl LightGrid {
     /// Rounds what is needed to f32, once a light.
     pub fn new(light: LatticeLight) -> Self {
-        let largest = |v: IVec3| float(v).abs().max_element();
+        let (step_u, step_v) = (float(light.step_u), float(light.step_v));
         let (last_row, last_column) = ((light.rows - 1) as f32, (light.columns - 1) as f32);
-        Self {
-            step_u: float(light.step_u),
-            step_v: float(light.step_v),
-            last_column,
-            last_row,
-            largest_u: largest(light.step_u),
-            reach: (last_row * largest(light.step_v) + 2.0 * last_column * largest(light.step_u))
-                * (1.0 + 4.0 * f32::EPSILON),
-            light,
-        }
+        let extent = step_v.abs() * last_row + step_u.abs() * last_column;
+        Self { step_u, step_v, last_column, last_row, extent, light }
     }
 }
 
@@ -70,9 +63,11 @@ fn float(v: IVec3) -> Vec3 {
     Vec3::new(v.x as f32, v.y as f32, v.z as f32)
 }
 
+/// The sums of magnitudes of the terms of `a × b`.
 #[inline(always)]
-fn sum_of_magnitudes(v: Vec3) -> f32 {
-    v.x.abs() + v.y.abs() + v.z.abs()
+fn cross_magnitudes(a: Vec3, b: Vec3) -> Vec3 {
+    let (a, b) = (a.abs(), b.abs());
+    Vec3::new(a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x)
 }
 
 /// A triangle as the resolve stage meets it.
@@ -116,10 +111,34 @@ impl Occluder {
 #[repr(C)]
 pub struct ReceiverTile {
     /// Lattice coordinates: `axes[axis][lane]`.
-    pub axes: [[i32; TILE]; 3],
+    axes: [[i32; TILE]; 3],
+    low: IVec3,
+    high: IVec3,
 }
 
 impl ReceiverTile {
+    /// A tile without receivers.
+    pub const EMPTY: Self = Self { axes: [[0; TILE]; 3], low: IVec3::splat(i32::MAX), high: IVec3::splat(i32::MIN) };
+
+    /// Puts a receiver into a lane; `lane < TILE`.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, p: IVec3) {
+        let l = lane % TILE;
+        self.axes[0][l] = p.x;
+        self.axes[1][l] = p.y;
+        self.axes[2][l] = p.z;
+        self.low = self.low.min(p);
+        self.high = self.high.max(p);
+    }
+
+    /// Upper bounds of `|q − p|` on each axis, over all points q of a box and all receivers p of the tile: one bound
+    /// serves all lanes, since the receivers of a group lie close together. (Up to the roundoff of the conversion, which
+    /// error bounds count.)
+    #[inline(always)]
+    fn farthest(&self, low: IVec3, high: IVec3) -> Vec3 {
+        float((high - self.low).max(self.high - low))
+    }
+
     /// The point of one lane; `lane < TILE`.
     #[inline(always)]
     pub fn point(&self, lane: usize) -> IVec3 {
@@ -127,9 +146,6 @@ impl ReceiverTile {
         IVec3::new(self.axes[0][l], self.axes[1][l], self.axes[2][l])
     }
 }
-
-/// Doubt, in columns, from which on a plane's own doubt is used row by row, and not the largest of the pair's.
-pub const WIDE: f32 = 0.25;
 
 /// The switch columns of `E` planes for sixteen receivers, as lines over the rows: `x(i) = slope·i + …`. A plane with its
 /// bit in `lower` blocks from x upwards, one without from x downwards.
@@ -141,10 +157,6 @@ pub struct Lines<const E: usize> {
     pub start: [[f32; TILE]; E],
     /// Error bound of the switch column, in columns, at any row. Written only where signs are certified.
     pub doubt: [[f32; TILE]; E],
-    /// The largest of a lane's doubts.
-    pub most_doubt: [f32; TILE],
-    /// Bit l: a doubt of lane l is [`WIDE`] or more, as that of a plane nearly parallel to the rows.
-    pub wide: u32,
     /// Bit l: for lane l the plane bounds the columns from below.
     pub lower: [u32; E],
     /// Bit l: lane l's side of the triangle's plane is the negative one.
@@ -153,15 +165,8 @@ pub struct Lines<const E: usize> {
 
 impl<const E: usize> Lines<E> {
     /// Lines of nothing, to be written by [`PairPlanes::lines`].
-    pub const EMPTY: Self = Self {
-        slope: [[0.0; TILE]; E],
-        start: [[0.0; TILE]; E],
-        doubt: [[0.0; TILE]; E],
-        most_doubt: [0.0; TILE],
-        wide: 0,
-        lower: [0; E],
-        flipped: 0,
-    };
+    pub const EMPTY: Self =
+        Self { slope: [[0.0; TILE]; E], start: [[0.0; TILE]; E], doubt: [[0.0; TILE]; E], lower: [0; E], flipped: 0 };
 }
 
 /// One triangle against sixteen receivers.
@@ -171,16 +176,18 @@ pub struct PairPlanes<'a> {
     corners: [IVec3; 3],
     edges: [Vec3; 3],
     normal: Vec3,
-    normal_size: f32,
+    normal_magnitudes: Vec3,
+    permanent: f32,
+    farthest: Vec3,
 }
 
-/// One vector of the three dot products that make a line, and the sizes that bound their errors.
+/// One vector of the three dot products that make a line, and what bounds their errors.
 struct Form<L> {
     at_origin: L,
     per_row: L,
     per_column: L,
-    size: L,
-    reach: L,
+    /// P of the error bound, or more.
+    permanent: f32,
 }
 
 impl<'a> PairPlanes<'a> {
@@ -190,8 +197,13 @@ impl<'a> PairPlanes<'a> {
         let [a, b, c] = occluder.corners;
         let edges = [float(b - a), float(c - b), float(a - c)];
         let normal = edges[2].cross(edges[0]);
-        let normal_size = sum_of_magnitudes(edges[0]) * sum_of_magnitudes(edges[2]);
-        Self { grid, receivers, corners: occluder.corners, edges, normal, normal_size }
+        let normal_magnitudes = cross_magnitudes(edges[2], edges[0]);
+        // One bound for all edges: the longest on each axis, from the farthest receiver.
+        let farthest = receivers.farthest(a.min(b).min(c), a.max(b).max(c));
+        let longest = edges[0].abs().max(edges[1].abs()).max(edges[2].abs());
+        let origin = grid.light.origin;
+        let permanent = cross_magnitudes(farthest, longest).dot(receivers.farthest(origin, origin) + grid.extent);
+        Self { grid, receivers, corners: occluder.corners, edges, normal, normal_magnitudes, permanent, farthest }
     }
 
     /// Computes the lines of the lanes in `wanted` and returns those lanes of which a sample may be blocked. Adds the
@@ -207,7 +219,6 @@ impl<'a> PairPlanes<'a> {
         let mut first = 0;
         lines.lower = [0; E];
         lines.flipped = 0;
-        lines.wide = 0;
         while first < TILE {
             let lanes = wanted >> first & low_bits(L::WIDTH);
             if lanes != 0 {
@@ -233,7 +244,7 @@ impl<'a> PairPlanes<'a> {
         ];
         let d0 = towards::<L>(self.corners[0], &p);
         let side = dot_scalar(self.normal, &d0);
-        let doubt = L::splat(self.normal_size * (FORM_ERRORS * L::ROUNDOFF)).mul(largest(&d0));
+        let doubt = L::splat(self.normal_magnitudes.dot(self.farthest) * (SIDE_ERRORS * L::ROUNDOFF));
         let (positive, negative) = self.sides::<L, P>(first, wanted, side, doubt, fallbacks);
         let mut alive = if E == 3 { positive } else { positive | negative };
         if alive == 0 {
@@ -242,33 +253,25 @@ impl<'a> PairPlanes<'a> {
         let flipped = if E == 3 { 0 } else { negative };
         lines.flipped |= flipped << first;
         let g = towards::<L>(self.grid.light.origin, &p);
-        let reach = largest(&g).add(L::splat(self.grid.reach));
-        let mut most_doubt = L::splat(0.0);
         let mut k = 0;
         while k < 3 {
             let d = if k == 0 { d0 } else { towards::<L>(self.corners[k], &p) };
             let e = self.edges[k];
             let n = cross_scalar(&d, e);
-            let size = one_norm(&d).mul(L::splat(sum_of_magnitudes(e)));
             let form = Form {
                 at_origin: dot(&n, &g),
                 per_row: dot_scalar(self.grid.step_v, &n),
                 per_column: dot_scalar(self.grid.step_u, &n),
-                size,
-                reach,
+                permanent: self.permanent,
             };
-            alive &= self.line::<L, P, E>(k, first, form, lines, &mut most_doubt);
+            alive &= self.line::<L, P, E>(k, first, form, lines);
             if alive == 0 {
                 return 0;
             }
             k += 1;
         }
         if E == 4 {
-            alive &= self.line::<L, P, E>(3, first, self.own_form(), lines, &mut most_doubt);
-        }
-        if P::CERTIFIED {
-            most_doubt.store(&mut lines.most_doubt, first);
-            lines.wide |= L::bits(most_doubt.ge(L::splat(WIDE))) << first;
+            alive &= self.line::<L, P, E>(3, first, self.own_form(), lines);
         }
         alive
     }
@@ -291,11 +294,16 @@ impl<'a> PairPlanes<'a> {
         let not_negative = L::bits(side.ge(L::splat(0.0).sub(doubt)));
         let (mut positive, mut negative) = (wanted & !not_positive, wanted & !not_negative);
         let mut unsure = wanted & not_positive & not_negative;
+        if unsure == 0 {
+            return (positive, negative);
+        }
+        let [a, b, c] = self.corners;
+        let normal = exact::cross::<Wide>(b - a, c - a);
         while unsure != 0 {
             let lane = unsure.trailing_zeros() as usize;
             unsure &= unsure - 1;
             *fallbacks += 1;
-            let sign = exact::far_side::<Wide>(self.receivers.point(first + lane), self.corners);
+            let sign = exact::dot(normal, a - self.receivers.point(first + lane)).sign();
             positive |= ((sign > 0) as u32) << lane;
             negative |= ((sign < 0) as u32) << lane;
         }
@@ -306,13 +314,11 @@ impl<'a> PairPlanes<'a> {
     #[inline(always)]
     fn own_form<L: Lanes>(&self) -> Form<L> {
         let g = float(self.grid.light.origin - self.corners[0]);
-        let reach = g.abs().max_element() * (1.0 + 4.0 * f32::EPSILON) + self.grid.reach;
         Form {
             at_origin: L::splat(self.normal.dot(g)),
             per_row: L::splat(self.normal.dot(self.grid.step_v)),
             per_column: L::splat(self.normal.dot(self.grid.step_u)),
-            size: L::splat(self.normal_size),
-            reach: L::splat(reach),
+            permanent: self.normal_magnitudes.dot(g.abs() + self.grid.extent),
         }
     }
 
@@ -324,7 +330,6 @@ impl<'a> PairPlanes<'a> {
         first: usize,
         form: Form<L>,
         lines: &mut Lines<E>,
-        most_doubt: &mut L,
     ) -> u32 {
         let zero = L::splat(0.0);
         let Form { at_origin: a, per_row: c, per_column: b, .. } = form;
@@ -335,10 +340,10 @@ impl<'a> PairPlanes<'a> {
             let turn = turned::<L>(lines.flipped, first);
             (a.mul(turn), c.mul(turn), b.mul(turn))
         };
-        // A receiver on the edge's own vertex has a size of zero, and so no bound: one lattice unit is the least.
-        let size = form.size.max(L::splat(1.0));
-        let bound = size.mul(form.reach).mul(L::splat(COLUMN_ERRORS * L::ROUNDOFF));
-        let least = size.mul(L::splat(self.grid.largest_u * (FORM_ERRORS * L::ROUNDOFF)));
+        // A receiver on the edge's own vertex has a bound of zero.
+        let bound = Lanes::max(form.permanent * (COLUMN_ERRORS * L::ROUNDOFF), 1.0e-6);
+        let least = L::splat(if P::CERTIFIED { bound * LEAST_SLOPE } else { 1.0e-6 });
+        let bound = L::splat(bound);
         let magnitude = b.abs().max(least);
         let lower = b.ge(zero);
         let inverse = magnitude.recip();
@@ -346,9 +351,7 @@ impl<'a> PairPlanes<'a> {
         let (at_origin, slope) = (a.mul(signed), c.mul(signed));
         slope.store(&mut lines.slope[k], first);
         if P::CERTIFIED {
-            let doubt = bound.mul(inverse);
-            doubt.store(&mut lines.doubt[k], first);
-            *most_doubt = most_doubt.max(doubt);
+            bound.mul(inverse).store(&mut lines.doubt[k], first);
         }
         at_origin.store(&mut lines.start[k], first);
         lines.lower[k] |= L::bits(lower) << first;
@@ -407,14 +410,4 @@ fn dot_scalar<L: Lanes>(a: Vec3, b: &[L; 3]) -> L {
 fn cross_scalar<L: Lanes>(d: &[L; 3], e: Vec3) -> [L; 3] {
     let (x, y, z) = (L::splat(e.x), L::splat(e.y), L::splat(e.z));
     [d[1].mul(z).sub(d[2].mul(y)), d[2].mul(x).sub(d[0].mul(z)), d[0].mul(y).sub(d[1].mul(x))]
-}
-
-#[inline(always)]
-fn one_norm<L: Lanes>(d: &[L; 3]) -> L {
-    d[0].abs().add(d[1].abs()).add(d[2].abs())
-}
-
-#[inline(always)]
-fn largest<L: Lanes>(d: &[L; 3]) -> L {
-    d[0].abs().max(d[1].abs()).max(d[2].abs())
 }

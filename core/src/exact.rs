@@ -33,7 +33,7 @@ impl<W: WideInt> GridForm<W> {
 
     /// The form `n·(L − from)` over the light's samples.
     #[inline(always)]
-    fn along(normal: [W; 3], from: IVec3, light: &LatticeLight) -> Self {
+    fn along(normal: Normal<W>, from: IVec3, light: &LatticeLight) -> Self {
         Self {
             at_origin: dot(normal, light.origin - from),
             per_row: dot(normal, light.step_v),
@@ -42,20 +42,27 @@ impl<W: WideInt> GridForm<W> {
     }
 }
 
+/// An exact normal: a cross product of differences of lattice points.
+#[derive(Clone, Copy, Debug)]
+pub struct Normal<W: WideInt>([W::Area; 3]);
+
+impl<W: WideInt> Normal<W> {
+    /// The components, widened.
+    pub fn components(&self) -> [W; 3] {
+        [W::scaled(self.0[0], 1), W::scaled(self.0[1], 1), W::scaled(self.0[2], 1)]
+    }
+}
+
 /// `u × v`; components of `u` and `v` below 2^31 in magnitude, as differences of lattice points are.
 #[inline(always)]
-pub fn cross<W: WideInt>(u: IVec3, v: IVec3) -> [W; 3] {
-    [
-        W::product(u.y, v.z).minus(W::product(u.z, v.y)),
-        W::product(u.z, v.x).minus(W::product(u.x, v.z)),
-        W::product(u.x, v.y).minus(W::product(u.y, v.x)),
-    ]
+pub fn cross<W: WideInt>(u: IVec3, v: IVec3) -> Normal<W> {
+    Normal([W::area(u.y, v.z, u.z, v.y), W::area(u.z, v.x, u.x, v.z), W::area(u.x, v.y, u.y, v.x)])
 }
 
 /// `n·d`.
 #[inline(always)]
-pub fn dot<W: WideInt>(n: [W; 3], d: IVec3) -> W {
-    n[0].times(d.x).plus(n[1].times(d.y)).plus(n[2].times(d.z))
+pub fn dot<W: WideInt>(Normal(n): Normal<W>, d: IVec3) -> W {
+    W::scaled(n[0], d.x).plus(W::scaled(n[1], d.y)).plus(W::scaled(n[2], d.z))
 }
 
 /// The oriented plane through receiver `p` and edge `a → b`, over the light's samples.

@@ -63,8 +63,10 @@ pub trait Lanes: Copy {
     fn ceil(self) -> Self::Ints;
     /// The largest integer not above; `|self| ≤ 2^20`.
     fn floor(self) -> Self::Ints;
-    /// Bit l is set where the nearest integer is no further away than `by`; `|self| ≤ 2^20`, `by < ½`.
-    fn near_integer(self, by: Self) -> u32;
+    /// Bit l is set where an integer lies in `self − by..=self`; `|self| ≤ 2^20`, `by ≥ 0`.
+    fn integer_below(self, by: Self) -> u32;
+    /// Bit l is set where an integer lies in `self..=self + by`; `|self| ≤ 2^20`, `by ≥ 0`.
+    fn integer_above(self, by: Self) -> u32;
     /// Bit l is set where the integers of lane l differ.
     fn differ(a: Self::Ints, b: Self::Ints) -> u32;
     /// Bit l is set where `a < b` in lane l.
@@ -166,10 +168,12 @@ impl Lanes for f32 {
         t - ((t as f32) > self) as i32
     }
     #[inline(always)]
-    fn near_integer(self, by: Self) -> u32 {
-        let below = Lanes::floor(self) as f32;
-        let rest = self - below;
-        (rest <= by || 1.0 - rest <= by) as u32
+    fn integer_below(self, by: Self) -> u32 {
+        (self - Lanes::floor(self) as f32 <= by) as u32
+    }
+    #[inline(always)]
+    fn integer_above(self, by: Self) -> u32 {
+        (Lanes::ceil(self) as f32 - self <= by) as u32
     }
     #[inline(always)]
     fn differ(a: i32, b: i32) -> u32 {
@@ -295,8 +299,12 @@ impl Lanes for Sixteen {
         each!(k => Lanes::floor(self.0[k]))
     }
     #[inline(always)]
-    fn near_integer(self, by: Self) -> u32 {
-        Self::bits(each!(k => Lanes::near_integer(self.0[k], by.0[k]) == 1))
+    fn integer_below(self, by: Self) -> u32 {
+        Self::bits(each!(k => Lanes::integer_below(self.0[k], by.0[k]) == 1))
+    }
+    #[inline(always)]
+    fn integer_above(self, by: Self) -> u32 {
+        Self::bits(each!(k => Lanes::integer_above(self.0[k], by.0[k]) == 1))
     }
     #[inline(always)]
     fn differ(a: Self::Ints, b: Self::Ints) -> u32 {

@@ -172,7 +172,7 @@ impl AreaLight {
         }
         let origin = IVec3::new(round_f64(origin.x), round_f64(origin.y), round_f64(origin.z));
         let light = LatticeLight { origin, step_u, step_v, rows: self.rows, columns: self.columns };
-        let normal = exact::cross::<Wide>(step_u, step_v);
+        let normal = exact::cross::<Wide>(step_u, step_v).components();
         if normal.iter().all(|n| n.sign() == 0) {
             return Err(LightError::NoArea { edge_u: self.edge_u, edge_v: self.edge_v });
         }

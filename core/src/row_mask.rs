@@ -30,42 +30,42 @@ pub struct PairIntegers<'a> {
     pub fallbacks: &'a mut u64,
 }
 
-/// A vector of rows' column intervals, as the planes of one receiver (`lane`) bound them, each plane moved towards the
-/// blocked side by its entry of `inward`. Half a column outside the grid at most: that rounds to 0 or to `columns`,
-/// whichever way it is rounded.
+/// The column intervals of a vector of rows, as the planes of one receiver bound them.
+#[derive(Clone, Copy)]
+struct Bounds<L> {
+    /// First and last column that are surely blocked: every plane is moved by its doubt towards the blocked side.
+    inner: (L, L),
+    /// First and last column that may be blocked: every plane is moved the other way.
+    outer: (L, L),
+}
+
+/// The bounds of `rows` for one receiver (`lane`); without certification, inner and outer are the same. They end half a
+/// column outside the grid: that rounds to 0 or to `columns`, whichever way it is rounded.
 #[inline(always)]
-fn interval<L: Lanes, const E: usize>(
+fn bounds<L: Lanes, const E: usize>(
     lines: &Lines<E>,
     lane: usize,
     rows: L,
     columns: u32,
-    inward: &[f32; E],
-) -> (L, L) {
+    certified: bool,
+) -> Bounds<L> {
     let (lowest, highest) = (L::splat(-0.5), L::splat(columns as f32 - 0.5));
-    let (mut from, mut to) = (lowest, highest);
+    let (mut from_in, mut to_in, mut from_out, mut to_out) = (lowest, highest, lowest, highest);
     let mut k = 0;
     while k < E {
         let along = L::splat(lines.slope[k][lane]).mul(rows);
+        let (start, doubt) = (lines.start[k][lane], if certified { lines.doubt[k][lane] } else { 0.0 });
+        let (above, below) = (along.add(L::splat(start + doubt)), along.add(L::splat(start - doubt)));
         if lines.lower[k] >> lane & 1 == 1 {
-            from = from.max(along.add(L::splat(lines.start[k][lane] + inward[k])));
+            from_in = from_in.max(above);
+            from_out = from_out.max(below);
         } else {
-            to = to.min(along.add(L::splat(lines.start[k][lane] - inward[k])));
+            to_in = to_in.min(below);
+            to_out = to_out.min(above);
         }
         k += 1;
     }
-    (from.min(highest), to.max(lowest))
-}
-
-/// The planes' own doubts, times `sign`.
-#[inline(always)]
-fn doubts<const E: usize>(lines: &Lines<E>, lane: usize, sign: f32) -> [f32; E] {
-    let mut out = [0.0; E];
-    let mut k = 0;
-    while k < E {
-        out[k] = sign * lines.doubt[k][lane];
-        k += 1;
-    }
-    out
+    Bounds { inner: (from_in.min(highest), to_in.max(lowest)), outer: (from_out.min(highest), to_out.max(lowest)) }
 }
 
 /// The half-open columns of an interval, in `0..=columns`. Both its ends are included.
@@ -95,52 +95,11 @@ pub fn fill<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
     mask: &mut MaskRows<W>,
 ) -> bool {
     let lane = lane % TILE;
-    let wide = P::CERTIFIED && lines.wide >> lane & 1 == 1;
-    let mut unsure = [0_u32; 2];
-    let relevant = if wide {
-        fill_rows::<L, W, E>(lines, lane, pair.light, mask, &mut unsure, Doubt::OfEachPlane)
-    } else if P::CERTIFIED {
-        fill_rows::<L, W, E>(lines, lane, pair.light, mask, &mut unsure, Doubt::OfAllPlanes)
-    } else {
-        fill_rows::<L, W, E>(lines, lane, pair.light, mask, &mut unsure, Doubt::None)
-    };
-    // After the loop, so that nothing in it has to outlive a call.
-    let settled = P::CERTIFIED && unsure[0] | unsure[1] != 0 && settle_rows(lines, lane, pair, unsure, mask);
-    relevant | settled
-}
-
-/// How the rows in doubt are found. Always a constant where it is used.
-#[derive(Clone, Copy, PartialEq)]
-enum Doubt {
-    /// Not at all.
-    None,
-    /// All planes are moved by the largest doubt of the pair, and a bound is held against the same: a few operations.
-    OfAllPlanes,
-    /// The interval is made twice, with every plane moved by its own doubt either way.
-    OfEachPlane,
-}
-
-/// ORs what is certain into `mask`, and sets the bits of the rows that are not.
-#[inline(always)]
-fn fill_rows<L: Lanes, W: MaskWord, const E: usize>(
-    lines: &Lines<E>,
-    lane: usize,
-    light: &LatticeLight,
-    mask: &mut MaskRows<W>,
-    unsure: &mut [u32; 2],
-    doubt: Doubt,
-) -> bool {
-    let (rows, columns) = (light.rows as usize, light.columns);
-    let inward = match doubt {
-        Doubt::None => [0.0; E],
-        Doubt::OfAllPlanes => [lines.most_doubt[lane]; E],
-        Doubt::OfEachPlane => doubts(lines, lane, 1.0),
-    };
-    let mut relevant = false;
+    let (rows, columns) = (pair.light.rows as usize, pair.light.columns);
+    let (mut relevant, mut unsure) = (false, [0_u32; 2]);
     let mut row = 0;
     while row < rows {
-        let at = L::count_from(row);
-        let inner = interval::<L, E>(lines, lane, at, columns, &inward);
+        let Bounds { inner, outer } = bounds::<L, E>(lines, lane, L::count_from(row), columns, P::CERTIFIED);
         let (from, to) = columns_of(inner);
         let (mut starts, mut ends) = ([0_i32; TILE], [0_i32; TILE]);
         L::store_ints(from, &mut starts, 0);
@@ -154,26 +113,21 @@ fn fill_rows<L: Lanes, W: MaskWord, const E: usize>(
         // Rows beyond the light's hold full words, and are no rows of this triangle.
         let present = if rows - row < 32 { (1 << (rows - row)) - 1 } else { u32::MAX };
         relevant |= L::less(from, to) & present != 0;
-        let bits = match doubt {
-            Doubt::None => 0,
-            Doubt::OfAllPlanes => {
-                let most = L::splat(lines.most_doubt[lane]);
-                let (from, to) = (inner.0.sub(most), inner.1.add(most));
-                let near = from.near_integer(most) | to.near_integer(most);
-                near & L::bits(to.add(most).ge(from.sub(most)))
-            }
-            Doubt::OfEachPlane => {
-                let outer = columns_of(interval::<L, E>(lines, lane, at, columns, &doubts(lines, lane, -1.0)));
-                (L::differ(from, outer.0) | L::differ(to, outer.1)) & L::less(outer.0, outer.1)
-            }
-        };
-        unsure[row / 32 % 2] |= (bits & present) << (row % 32);
+        if P::CERTIFIED {
+            // A row is in doubt where a column lies between its inner and its outer bound.
+            let near = inner.0.integer_below(inner.0.sub(outer.0)) | inner.1.integer_above(outer.1.sub(inner.1));
+            let possible = L::bits(outer.1.ge(outer.0));
+            unsure[row / 32 % 2] |= (near & possible & present) << (row % 32);
+        }
         row += L::WIDTH;
     }
-    relevant
+    // After the loop, so that nothing in it has to outlive a call.
+    let settled = P::CERTIFIED && unsure[0] | unsure[1] != 0 && settle_rows(lines, lane, pair, unsure, mask);
+    relevant | settled
 }
 
-/// Decides the doubtful columns of the rows in `unsure` (bit k of word w: row `32w + k`). Returns whether any is blocked.
+/// Decides the columns between inner and outer bounds of the rows in `unsure` (bit k of word w: row `32w + k`). Returns
+/// whether any is blocked.
 ///
 /// A function of its own, on one lane: few rows come here, and the path of the others stays short.
 #[inline(never)]
@@ -184,93 +138,78 @@ fn settle_rows<W: MaskWord, const E: usize>(
     mut unsure: [u32; 2],
     mask: &mut MaskRows<W>,
 ) -> bool {
-    let columns = pair.light.columns;
-    let mut forms = PairForms::new();
+    let mut forms = PairForms([None; 4]);
     let mut relevant = false;
     while unsure[0] | unsure[1] != 0 {
         let word = (unsure[0] == 0) as usize;
         let row = word * 32 + unsure[word].trailing_zeros() as usize;
         unsure[word] &= unsure[word] - 1;
-        let inner = columns_of(interval::<f32, E>(lines, lane, row as f32, columns, &doubts(lines, lane, 1.0)));
-        let outer = columns_of(interval::<f32, E>(lines, lane, row as f32, columns, &doubts(lines, lane, -1.0)));
-        let known = W::span(inner.0 as u32, inner.1 as u32);
-        let doubtful = W::span(outer.0 as u32, outer.1 as u32);
         let Some(word) = mask.get_mut(row) else { break };
-        let found = forms.settle(lines, lane, pair, row, doubtful.without(known.or(*word)));
-        let found = known.or(found);
-        relevant |= found != W::EMPTY;
-        *word = word.or(found);
+        let outer = columns_of(bounds::<f32, E>(lines, lane, row as f32, pair.light.columns, true).outer);
+        let mut left = W::span(outer.0 as u32, outer.1 as u32).without(*word);
+        while left != W::EMPTY {
+            let column = left.lowest();
+            let bit = W::span(column, column + 1);
+            left = left.without(bit);
+            if forms.blocks(lines, lane, pair, row, column) {
+                *word = word.or(bit);
+                relevant = true;
+            }
+        }
     }
     relevant
 }
 
 /// The integer forms of one pair, each made when it is first needed.
-struct PairForms {
-    forms: [GridForm<Wide>; 4],
-    ready: u32,
-}
+struct PairForms([Option<GridForm<Wide>>; 4]);
 
 impl PairForms {
+    /// Whether the triangle blocks one sample. Only planes that are themselves in doubt there are asked in integers.
     #[inline(always)]
-    fn new() -> Self {
-        use crate::exact::WideInt;
-        let zero = GridForm { at_origin: Wide::ZERO, per_row: Wide::ZERO, per_column: Wide::ZERO };
-        Self { forms: [zero; 4], ready: 0 }
-    }
-
-    /// Which of the doubtful columns of a row are blocked. Only planes that are themselves in doubt there are asked.
-    #[inline(always)]
-    fn settle<W: MaskWord, const E: usize>(
+    fn blocks<const E: usize>(
         &mut self,
         lines: &Lines<E>,
         lane: usize,
         pair: &mut PairIntegers<'_>,
         row: usize,
-        doubtful: W,
-    ) -> W {
-        let (mut found, mut left) = (W::EMPTY, doubtful);
+        column: u32,
+    ) -> bool {
         let side = if lines.flipped >> lane & 1 == 1 { -1 } else { 1 };
-        while left != W::EMPTY {
-            let column = left.lowest();
-            let bit = W::span(column, column + 1);
-            left = left.without(bit);
-            let mut blocked = true;
-            let mut k = 0;
-            while k < E {
-                let x = lines.slope[k][lane] * row as f32 + lines.start[k][lane];
-                let (j, doubt) = (column as f32, lines.doubt[k][lane]);
-                let certain = if lines.lower[k] >> lane & 1 == 1 { j > x + doubt } else { j < x - doubt };
-                if !certain {
-                    *pair.fallbacks += 1;
-                    let sign = self.form(k, pair).sign_at(row as i32, column as i32) * side;
-                    // Edges are closed; the triangle's own plane blocks strictly.
-                    if sign < 0 || (k == 3 && sign == 0) {
-                        blocked = false;
-                        break;
-                    }
+        let mut k = 0;
+        while k < E {
+            let x = lines.slope[k][lane] * row as f32 + lines.start[k][lane];
+            let beyond = if lines.lower[k] >> lane & 1 == 1 { column as f32 - x } else { x - column as f32 };
+            let doubt = lines.doubt[k][lane];
+            if beyond < -doubt {
+                return false;
+            }
+            if beyond <= doubt {
+                *pair.fallbacks += 1;
+                let sign = self.form(k, pair).sign_at(row as i32, column as i32) * side;
+                // Edges are closed; the triangle's own plane blocks strictly.
+                if sign < 0 || (k == 3 && sign == 0) {
+                    return false;
                 }
-                k += 1;
             }
-            if blocked {
-                found = found.or(bit);
-            }
+            k += 1;
         }
-        found
+        true
     }
 
     #[inline(always)]
     fn form(&mut self, k: usize, pair: &PairIntegers<'_>) -> GridForm<Wide> {
         let k = k % 4;
-        if self.ready >> k & 1 == 0 {
-            let [a, b, c] = pair.corners;
-            self.forms[k] = match k {
-                0 => exact::edge_form(pair.light, pair.receiver, a, b),
-                1 => exact::edge_form(pair.light, pair.receiver, b, c),
-                2 => exact::edge_form(pair.light, pair.receiver, c, a),
-                _ => exact::triangle_form(pair.light, pair.corners),
-            };
-            self.ready |= 1 << k;
+        if let Some(form) = self.0[k] {
+            return form;
         }
-        self.forms[k]
+        let [a, b, c] = pair.corners;
+        let form = match k {
+            0 => exact::edge_form(pair.light, pair.receiver, a, b),
+            1 => exact::edge_form(pair.light, pair.receiver, b, c),
+            2 => exact::edge_form(pair.light, pair.receiver, c, a),
+            _ => exact::triangle_form(pair.light, pair.corners),
+        };
+        self.0[k] = Some(form);
+        form
     }
 }

@@ -6,8 +6,14 @@
 
 /// The few operations that a determinant needs.
 pub trait WideInt: Copy {
+    /// What holds a 2×2 determinant: 63 bits.
+    type Area: Copy;
     /// Zero.
     const ZERO: Self;
+    /// `a·b − c·d`, exactly; all below 2^31 in magnitude.
+    fn area(a: i32, b: i32, c: i32, d: i32) -> Self::Area;
+    /// `area·b`.
+    fn scaled(area: Self::Area, b: i32) -> Self;
     /// `a·b`, exactly.
     fn product(a: i32, b: i32) -> Self;
     /// `self·b`.
@@ -21,7 +27,19 @@ pub trait WideInt: Copy {
 }
 
 impl WideInt for i128 {
+    /// Half the width: a product with an i32 is then one instruction.
+    type Area = i64;
     const ZERO: Self = 0;
+
+    #[inline(always)]
+    fn area(a: i32, b: i32, c: i32, d: i32) -> i64 {
+        (i64::from(a) * i64::from(b)).wrapping_sub(i64::from(c) * i64::from(d))
+    }
+
+    #[inline(always)]
+    fn scaled(area: i64, b: i32) -> Self {
+        Self::from(area) * Self::from(b)
+    }
 
     #[inline(always)]
     fn product(a: i32, b: i32) -> Self {
@@ -85,7 +103,18 @@ impl Limbs {
 }
 
 impl WideInt for Limbs {
+    type Area = Self;
     const ZERO: Self = Self { low: 0, mid: 0, high: 0 };
+
+    #[inline(always)]
+    fn area(a: i32, b: i32, c: i32, d: i32) -> Self {
+        Self::product(a, b).minus(Self::product(c, d))
+    }
+
+    #[inline(always)]
+    fn scaled(area: Self, b: i32) -> Self {
+        area.times(b)
+    }
 
     #[inline(always)]
     fn product(a: i32, b: i32) -> Self {

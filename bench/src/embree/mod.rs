@@ -10,7 +10,7 @@ use thiserror::Error;
 use umbra4_core::glam::Vec3;
 
 use crate::{
-    contender::{Contender, ContenderError, Seconds},
+    contender::{Contender, ContenderError, Run},
     problem::Problem,
     row_word::RowWord,
 };
@@ -64,12 +64,12 @@ impl Embree {
 }
 
 impl<W: RowWord> Contender<W> for Embree {
-    fn run(&self, problem: &Problem<'_>, threads: usize, out: &mut [W]) -> Result<Seconds, ContenderError> {
+    fn run(&self, problem: &Problem<'_>, threads: usize, out: &mut [W]) -> Result<Run, ContenderError> {
         let start = Instant::now();
         let scene = TriangleScene::new(problem.model, self.options, threads)?;
         let build = start.elapsed().as_secs_f64();
         let start = Instant::now();
         problem.for_blocks(threads, out, |origins, rows| self.masks(&scene, problem, origins, rows));
-        Ok(Seconds { build, masks: start.elapsed().as_secs_f64() })
+        Ok(Run { build, masks: start.elapsed().as_secs_f64(), counts: None })
     }
 }

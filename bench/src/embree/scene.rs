@@ -2,8 +2,9 @@
 
 use std::ffi::CString;
 
+use umbra4::model::Model;
+
 use super::{EmbreeError, ffi};
-use crate::load::Model;
 
 /// How the scene is built.
 #[derive(Clone, Copy, Debug, Default)]

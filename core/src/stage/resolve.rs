@@ -56,7 +56,7 @@ impl<W: MaskWord> Group<W> {
             *word = W::EMPTY;
         }
         Self {
-            receivers: ReceiverTile { axes: [[0; TILE]; 3] },
+            receivers: ReceiverTile::EMPTY,
             needs: KeyTile::NOTHING,
             active: 0,
             touched: 0,
@@ -72,11 +72,9 @@ impl<W: MaskWord> Group<W> {
     #[inline(always)]
     pub fn set(&mut self, lane: usize, point: glam::IVec3, keys: Option<&Keys>, light: &LatticeLight) {
         let lane = lane % TILE;
-        self.receivers.axes[0][lane] = point.x;
-        self.receivers.axes[1][lane] = point.y;
-        self.receivers.axes[2][lane] = point.z;
         match keys {
             Some(keys) => {
+                self.receivers.set(lane, point);
                 self.needs.set(lane, keys);
                 self.active |= 1 << lane;
             }

@@ -145,10 +145,14 @@ impl Lanes for Avx2 {
         intrinsics!(Pair(_mm256_cvtps_epi32(_mm256_floor_ps(self.0)), _mm256_cvtps_epi32(_mm256_floor_ps(self.1))))
     }
     #[inline(always)]
-    fn near_integer(self, by: Self) -> u32 {
-        const NEAREST: i32 = _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC;
-        let nearest = intrinsics!(Self(_mm256_round_ps::<NEAREST>(self.0), _mm256_round_ps::<NEAREST>(self.1)));
-        Self::bits(by.ge(self.sub(nearest).abs()))
+    fn integer_below(self, by: Self) -> u32 {
+        let floor = intrinsics!(Self(_mm256_floor_ps(self.0), _mm256_floor_ps(self.1)));
+        Self::bits(by.ge(self.sub(floor)))
+    }
+    #[inline(always)]
+    fn integer_above(self, by: Self) -> u32 {
+        let ceil = intrinsics!(Self(_mm256_ceil_ps(self.0), _mm256_ceil_ps(self.1)));
+        Self::bits(by.ge(ceil.sub(self)))
     }
     #[inline(always)]
     fn differ(a: Pair, b: Pair) -> u32 {

@@ -8,7 +8,7 @@ use umbra4_core::lanes::{Lanes, TILE};
 #[derive(Clone, Copy)]
 pub struct Avx512(__m512);
 
-// SAFETY of every block below: the intrinsics need AVX-512 F, which `Isa::detect` has found before any kernel that uses
+// SAFETY of every block below: the intrinsics need AVX-512 F and DQ, which `Isa::detect` has found before any kernel that uses
 // this type is called; loads and stores are unaligned and stay within arrays of sixteen.
 macro_rules! intrinsics {
     ($e:expr) => {{
@@ -112,10 +112,17 @@ impl Lanes for Avx512 {
         intrinsics!(_mm512_cvt_roundps_epi32::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(self.0))
     }
     #[inline(always)]
-    fn near_integer(self, by: Self) -> u32 {
+    fn integer_below(self, by: Self) -> u32 {
         intrinsics!({
-            let rest = _mm512_abs_ps(_mm512_reduce_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(self.0));
+            let rest = _mm512_reduce_ps::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(self.0);
             u32::from(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(rest, by.0))
+        })
+    }
+    #[inline(always)]
+    fn integer_above(self, by: Self) -> u32 {
+        intrinsics!({
+            let rest = _mm512_reduce_ps::<{ _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC }>(self.0);
+            u32::from(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(_mm512_sub_ps(_mm512_setzero_ps(), by.0), rest))
         })
     }
     #[inline(always)]
