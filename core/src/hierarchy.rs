@@ -51,7 +51,10 @@ impl Levels {
 
     /// The tiles of one level, as a range of the array; empty where there is no such level.
     pub fn range(&self, level: usize) -> core::ops::Range<usize> {
-        if level < self.count() { self.starts[level] as usize..self.starts[level + 1] as usize } else { 0..0 }
+        match self.starts.get(level..) {
+            Some([start, end, ..]) if level < self.count() => *start as usize..*end as usize,
+            _ => 0..0,
+        }
     }
 }
 

@@ -18,6 +18,38 @@ impl Entry {
     pub const ABSENT: u32 = u32::MAX;
 }
 
+/// Sorts in place, on one thread. A heap sort: the library's own sorts can panic, and nothing here may.
+pub fn sort(entries: &mut [Entry]) {
+    let mut root = entries.len() / 2;
+    while root > 0 {
+        root -= 1;
+        sift(entries, root);
+    }
+    let mut rest = entries;
+    while let [first, .., last] = rest {
+        core::mem::swap(first, last);
+        let Some((_, shorter)) = rest.split_last_mut() else { return };
+        rest = shorter;
+        sift(rest, 0);
+    }
+}
+
+/// Lets the entry at `place` sink in a heap whose largest entry comes first.
+fn sift(heap: &mut [Entry], mut place: usize) {
+    while let Some(&left) = heap.get(2 * place + 1) {
+        let (child, larger) = match heap.get(2 * place + 2) {
+            Some(&right) if right > left => (2 * place + 2, right),
+            _ => (2 * place + 1, left),
+        };
+        let Some(entry) = heap.get_mut(place).filter(|entry| **entry < larger) else { return };
+        let sinking = core::mem::replace(entry, larger);
+        if let Some(entry) = heap.get_mut(child) {
+            *entry = sinking;
+        }
+        place = child;
+    }
+}
+
 /// Maps the slopes that occur in a scene to the range of a code.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]

@@ -11,7 +11,7 @@ use crate::{
     lattice::SnapParams,
     light::LatticeLight,
     mask_word::MaskWord,
-    order::{CodeFrame, Entry, code},
+    order::{CodeFrame, Entry, code, sort},
     plan::{Pass, Plan},
     precision::PrecisionMode,
     proj4::{KeyTile, Keys, NOTHING},
@@ -138,7 +138,7 @@ impl<'a, W: MaskWord, P: PrecisionMode> Serial<'a, W, P> {
     fn order_triangles(&mut self, pass: &Pass) -> Option<()> {
         let b = &mut self.buffers;
         let order = b.triangle_order.get_mut(..pass.count as usize)?;
-        order.sort_unstable();
+        sort(order);
         let tiles = b.nodes.get_mut(self.plan.levels().range(0))?;
         tiles.fill(KeyTile::NOTHING);
         for (place, entry) in order.iter().enumerate() {
@@ -241,7 +241,7 @@ impl<W: MaskWord, P: PrecisionMode> Executor for Serial<'_, W, P> {
             Stage::KeyReceivers => (self.key_receivers(pass), "receiver_keys or receiver_order"),
             Stage::OrderReceivers => {
                 let order = self.buffers.receiver_order.get_mut(..pass.count as usize);
-                (order.map(<[Entry]>::sort_unstable), "receiver_order")
+                (order.map(sort), "receiver_order")
             }
             Stage::Resolve => (self.resolve(pass), "masks or receiver_order"),
             Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells => {

@@ -22,3 +22,8 @@ pub mod scene;
 pub mod scenes;
 pub mod second_oracle;
 pub mod suite;
+
+/// The README's example compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+pub struct Readme;

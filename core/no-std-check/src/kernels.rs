@@ -1,0 +1,146 @@
+//! What executors run.
+
+use umbra4_core::{
+    Exact, Executor, Fast, LatticeLight, Lift, PairWord, Pass, Plan,
+    edge_plane::Occluder,
+    frame::LightFrame,
+    glam::{IVec3, Vec3},
+    lanes::Sixteen,
+    lattice::SnapParams,
+    order::{CodeFrame, code},
+    proj4::{KeyTile, Keys},
+    serial::{Serial, SerialError},
+    stage::{
+        build_level::build_level,
+        key_receivers::key_receivers,
+        key_triangles::key_triangles,
+        reduce,
+        resolve::{Group, Occlusion, resolve},
+        snap_receivers::snap_receivers,
+        snap_vertices::snap_vertices,
+    },
+};
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_snap_vertices(id: usize, params: &SnapParams, world: &[Vec3]) -> Option<IVec3> {
+    snap_vertices(id, params, world)
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_snap_receivers(
+    id: usize,
+    params: &SnapParams,
+    lift: Lift,
+    world: &[Vec3],
+    normals: &[Vec3],
+) -> Option<IVec3> {
+    snap_receivers(id, params, lift, world, normals)
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_key_triangles(
+    id: usize,
+    frame: &LightFrame,
+    light: &LatticeLight,
+    vertices: &[IVec3],
+    triangles: &[[u32; 3]],
+) -> Option<(Keys, Occluder)> {
+    key_triangles(id, frame, light, vertices, triangles)
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_key_receivers(
+    id: usize,
+    frame: &LightFrame,
+    light: &LatticeLight,
+    receivers: &[IVec3],
+) -> Option<Keys> {
+    key_receivers(id, frame, light, receivers)
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_code(frame: &CodeFrame, keys: &Keys) -> u32 {
+    code(frame, keys)
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_build_level(id: usize, below: &[KeyTile]) -> KeyTile {
+    build_level(id, below)
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_plan(plan: &Plan, executor: &mut Counting) {
+    let Ok(()) = plan.run(executor);
+}
+
+/// Takes whatever passes come.
+pub struct Counting(u64);
+
+impl Executor for Counting {
+    type Error = core::convert::Infallible;
+
+    #[inline(never)]
+    fn dispatch(&mut self, pass: &Pass) -> Result<(), Self::Error> {
+        self.0 = self.0.wrapping_add(u64::from(pass.count)).wrapping_add(pass.stage.info().name.len() as u64);
+        Ok(())
+    }
+}
+
+/// Everything that is generic, for one word and one precision; a function of its own each, so that a name can be given.
+macro_rules! instantiate {
+    ($($module:ident: $word:ty, $precision:ty;)*) => {$(
+        pub mod $module {
+            use super::*;
+
+            #[unsafe(export_name = concat!("check_empty_", stringify!($module)))]
+            pub extern "C" fn empty(rows: u32) -> Group<$word> {
+                Group::empty(rows)
+            }
+
+            #[unsafe(export_name = concat!("check_set_", stringify!($module)))]
+            pub extern "C" fn set(
+                group: &mut Group<$word>,
+                lane: usize,
+                point: IVec3,
+                keys: Option<&Keys>,
+                light: &LatticeLight,
+            ) {
+                group.set(lane, point, keys, light);
+            }
+
+            #[unsafe(export_name = concat!("check_resolve_sixteen_", stringify!($module)))]
+            pub extern "C" fn resolve_sixteen(scene: &Occlusion<'_>, group: &mut Group<$word>) {
+                resolve::<Sixteen, $word, $precision>(scene, group);
+            }
+
+            #[unsafe(export_name = concat!("check_resolve_one_", stringify!($module)))]
+            pub extern "C" fn resolve_one(scene: &Occlusion<'_>, group: &mut Group<$word>) {
+                resolve::<f32, $word, $precision>(scene, group);
+            }
+
+            #[unsafe(export_name = concat!("check_reduce_", stringify!($module)))]
+            pub extern "C" fn lit(rows: &[$word], light: &LatticeLight) -> f32 {
+                reduce::visibility(reduce::lit_count(rows, light.columns), light.sample_count())
+            }
+
+            #[unsafe(export_name = concat!("check_serial_", stringify!($module)))]
+            pub extern "C" fn serial(
+                executor: &mut Serial<'_, $word, $precision>,
+                pass: &Pass,
+            ) -> Result<(), SerialError> {
+                executor.dispatch(pass)
+            }
+        }
+    )*};
+}
+
+instantiate! {
+    u16_exact: u16, Exact;
+    u32_exact: u32, Exact;
+    u64_exact: u64, Exact;
+    pair_exact: PairWord, Exact;
+    u16_fast: u16, Fast;
+    u32_fast: u32, Fast;
+    u64_fast: u64, Fast;
+    pair_fast: PairWord, Fast;
+}
