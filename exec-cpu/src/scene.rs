@@ -5,7 +5,7 @@ use thiserror::Error;
 use umbra4_core::{
     Lattice, Lift, SnapError,
     glam::{DVec3, IVec3, Vec3},
-    surface,
+    stage::snap_receivers::lifted,
 };
 
 /// Why a scene is refused.
@@ -171,11 +171,7 @@ impl Receivers {
         }
         let mut receivers = Self::raw(lattice, points)?;
         for (index, (point, normal)) in receivers.points.iter_mut().zip(normals).enumerate() {
-            let (axis, sign) = surface::dominant_axis_f32(*normal);
-            if sign == 0 || !normal.is_finite() {
-                return Err(SceneError::Normal { index, normal: *normal });
-            }
-            *point = surface::lift(*point, axis, sign * lift.steps());
+            *point = lifted(*point, *normal, lift).ok_or(SceneError::Normal { index, normal: *normal })?;
         }
         Ok(receivers)
     }
