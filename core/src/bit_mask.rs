@@ -3,12 +3,13 @@
 //! Seed: Wang et al. 2016, Algorithm 1, lines 22 to 24, and the last column of table 2.
 
 use crate::{
+    doubt::{PairForms, PairIntegers},
     edge_plane::Lines,
     lanes::{Lanes, TILE},
     light::MAX_SAMPLES,
     mask_word::MaskWord,
     precision::PrecisionMode,
-    row_mask::{MaskRows, PairForms, PairIntegers},
+    row_mask::MaskRows,
 };
 
 /// As [`crate::row_mask::fill`], one light sample at a time (Wang et al. 2016, Algorithm 1, lines 22 to 24), a sample a lane: what rows are

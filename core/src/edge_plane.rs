@@ -22,7 +22,9 @@
 use glam::{IVec3, Vec3};
 
 use crate::{
+    doubt::Margins,
     exact::{self, Wide, WideInt},
+    frame::{self, LightFrame},
     lanes::{Lanes, TILE},
     light::LatticeLight,
     precision::PrecisionMode,
@@ -41,6 +43,13 @@ const LEAST_SLOPE: f32 = 1.0 / 1024.0;
 pub struct LightGrid {
     /// The light itself, for the signs that are decided in integers.
     pub light: LatticeLight,
+    /// Its frame.
+    pub frame: LightFrame,
+    /// Columns, rows and minus the height, not yet rounded to f32.
+    #[cfg(not(target_arch = "spirv"))]
+    pub(crate) long_axes: [[f64; 3]; 3],
+    /// What the long axes' own rounding moves on the light, in columns or rows.
+    pub(crate) skew: f32,
     step_u: Vec3,
     step_v: Vec3,
     last_column: f32,
@@ -54,12 +63,24 @@ impl LightGrid {
         let (step_u, step_v) = (float(light.step_u), float(light.step_v));
         let (last_row, last_column) = ((light.rows - 1) as f32, (light.columns - 1) as f32);
         let extent = step_v.abs() * last_row + step_u.abs() * last_column;
-        Self { step_u, step_v, last_column, last_row, extent, light }
+        let [u, v, n] = frame::axes(&light);
+        Self {
+            step_u,
+            step_v,
+            last_column,
+            last_row,
+            extent,
+            frame: LightFrame::new(&light),
+            #[cfg(not(target_arch = "spirv"))]
+            long_axes: [u.to_array(), v.to_array(), (-n).to_array()],
+            skew: frame::skew(&light),
+            light,
+        }
     }
 }
 
 #[inline(always)]
-fn float(v: IVec3) -> Vec3 {
+pub(crate) fn float(v: IVec3) -> Vec3 {
     Vec3::new(v.x as f32, v.y as f32, v.z as f32)
 }
 
@@ -135,8 +156,14 @@ impl ReceiverTile {
     /// serves all lanes, since the receivers of a group lie close together. (Up to the roundoff of the conversion, which
     /// error bounds count.)
     #[inline(always)]
-    fn farthest(&self, low: IVec3, high: IVec3) -> Vec3 {
+    pub(crate) fn farthest(&self, low: IVec3, high: IVec3) -> Vec3 {
         float((high - self.low).max(self.high - low))
+    }
+
+    /// The points of the lanes from `first` on.
+    #[inline(always)]
+    pub(crate) fn load<L: Lanes>(&self, first: usize) -> [L::Ints; 3] {
+        [L::load_ints(&self.axes[0], first), L::load_ints(&self.axes[1], first), L::load_ints(&self.axes[2], first)]
     }
 
     /// The point of one lane; `lane < TILE`.
@@ -167,6 +194,21 @@ impl<const E: usize> Lines<E> {
     /// Lines of nothing, to be written by [`PairPlanes::lines`].
     pub const EMPTY: Self =
         Self { slope: [[0.0; TILE]; E], start: [[0.0; TILE]; E], doubt: [[0.0; TILE]; E], lower: [0; E], flipped: 0 };
+}
+
+impl<const E: usize> Margins for Lines<E> {
+    const PLANES: usize = E;
+
+    #[inline(always)]
+    fn margin(&self, k: usize, lane: usize, row: f32, column: f32) -> (f32, f32) {
+        let x = self.slope[k][lane] * row + self.start[k][lane];
+        (if self.lower[k] >> lane & 1 == 1 { column - x } else { x - column }, self.doubt[k][lane])
+    }
+
+    #[inline(always)]
+    fn flipped(&self, lane: usize) -> bool {
+        self.flipped >> lane & 1 == 1
+    }
 }
 
 /// One triangle against sixteen receivers.
@@ -237,11 +279,7 @@ impl<'a> PairPlanes<'a> {
         lines: &mut Lines<E>,
         fallbacks: &mut u64,
     ) -> u32 {
-        let p = [
-            L::load_ints(&self.receivers.axes[0], first),
-            L::load_ints(&self.receivers.axes[1], first),
-            L::load_ints(&self.receivers.axes[2], first),
-        ];
+        let p = self.receivers.load::<L>(first);
         let d0 = towards::<L>(self.corners[0], &p);
         let side = dot_scalar(self.normal, &d0);
         let doubt = L::splat(self.normal_magnitudes.dot(self.farthest) * (SIDE_ERRORS * L::ROUNDOFF));
@@ -373,7 +411,7 @@ const fn low_bits(n: usize) -> u32 {
 
 /// `q − p`.
 #[inline(always)]
-fn towards<L: Lanes>(q: IVec3, p: &[L::Ints; 3]) -> [L; 3] {
+pub(crate) fn towards<L: Lanes>(q: IVec3, p: &[L::Ints; 3]) -> [L; 3] {
     [
         L::difference(L::splat_int(q.x), p[0]),
         L::difference(L::splat_int(q.y), p[1]),
@@ -397,11 +435,11 @@ fn turned<L: Lanes>(flipped: u32, first: usize) -> L {
 
 #[inline(always)]
 fn dot<L: Lanes>(a: &[L; 3], b: &[L; 3]) -> L {
-    a[0].mul(b[0]).add(a[1].mul(b[1])).add(a[2].mul(b[2]))
+    a[2].mul_add(b[2], a[1].mul_add(b[1], a[0].mul(b[0])))
 }
 
 #[inline(always)]
-fn dot_scalar<L: Lanes>(a: Vec3, b: &[L; 3]) -> L {
+pub(crate) fn dot_scalar<L: Lanes>(a: Vec3, b: &[L; 3]) -> L {
     dot(&[L::splat(a.x), L::splat(a.y), L::splat(a.z)], b)
 }
 

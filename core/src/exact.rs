@@ -53,6 +53,13 @@ impl<W: WideInt> Normal<W> {
     }
 }
 
+impl Normal<i128> {
+    /// The components, each rounded once.
+    pub(crate) fn to_f64(self) -> glam::DVec3 {
+        glam::DVec3::new(self.0[0] as f64, self.0[1] as f64, self.0[2] as f64)
+    }
+}
+
 /// `u × v`; components of `u` and `v` below 2^31 in magnitude, as differences of lattice points are.
 #[inline(always)]
 pub fn cross<W: WideInt>(u: IVec3, v: IVec3) -> Normal<W> {

@@ -7,7 +7,10 @@
 
 use glam::{DVec3, IVec3, Vec3};
 
-use crate::light::LatticeLight;
+use crate::{
+    exact,
+    light::{LatticeLight, MAX_SAMPLES},
+};
 
 /// The frame of one light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +30,25 @@ pub struct LightFrame {
     pub last_row: f32,
     /// Lattice units per column, and per row: turns slopes into tangents.
     pub scale: [f32; 2],
+}
+
+/// Columns, rows and heights per lattice unit: the dual basis of the steps, and the unit normal. On the host, in f64. The
+/// normal's components are right to 2^-53, since the cross product is taken in integers; those of the other two to a few
+/// 2^-53 of `|step|/|step_u × step_v|`.
+pub(crate) fn axes(light: &LatticeLight) -> [DVec3; 3] {
+    let (u, v) = (light.step_u.as_dvec3(), light.step_v.as_dvec3());
+    let n = exact::cross::<i128>(light.step_u, light.step_v).to_f64();
+    let area = n.dot(n);
+    [v.cross(n) / area, n.cross(u) / area, n / n.length()]
+}
+
+/// What the rounding of [`axes`] moves on the light, at most, in columns or rows: large only where the steps are all but
+/// parallel.
+pub(crate) fn skew(light: &LatticeLight) -> f32 {
+    let (u, v) = (light.step_u.as_dvec3(), light.step_v.as_dvec3());
+    let lengths = u.length() + v.length();
+    let area = exact::cross::<i128>(light.step_u, light.step_v).to_f64().length();
+    (f64::from(MAX_SAMPLES) * f64::EPSILON * 8.0 * lengths * lengths / area) as f32
 }
 
 /// A point in a light's frame, with bounds on the absolute error of each coordinate.
@@ -54,20 +76,15 @@ const DOT_ERROR: f32 = 7.0 * f32::EPSILON;
 impl LightFrame {
     /// Computed on the host, in f64, and rounded once to f32.
     pub fn new(light: &LatticeLight) -> Self {
-        let (u, v) = (light.step_u.as_dvec3(), light.step_v.as_dvec3());
-        let n = u.cross(v);
-        let along_u = v.cross(n) / u.dot(v.cross(n));
-        let along_v = n.cross(u) / v.dot(n.cross(u));
-        let unit = n / n.length();
-        let to_f32 = |d: DVec3| d.as_vec3();
+        let [along_u, along_v, unit] = axes(light);
         Self {
             origin: light.origin,
-            along_u: to_f32(along_u),
-            along_v: to_f32(along_v),
-            normal: to_f32(unit),
+            along_u: along_u.as_vec3(),
+            along_v: along_v.as_vec3(),
+            normal: unit.as_vec3(),
             last_column: (light.columns - 1) as f32,
             last_row: (light.rows - 1) as f32,
-            scale: [u.length() as f32, v.length() as f32],
+            scale: [light.step_u.as_dvec3().length() as f32, light.step_v.as_dvec3().length() as f32],
         }
     }
 

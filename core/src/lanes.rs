@@ -4,6 +4,8 @@
 //! Data that lanes walk over is stored in tiles of [`TILE`] values. A vector of [`Lanes::WIDTH`] lanes covers the lanes
 //! `first..first + WIDTH` of a tile.
 
+use crate::real::Real;
+
 /// Receivers of a group, children of a node, rows of a chunk: everything comes in tiles of this many.
 pub const TILE: usize = 16;
 
@@ -16,6 +18,8 @@ pub trait Lanes: Copy {
     const WIDTH: usize;
     /// Largest relative error of one operation, and of the conversion of an integer.
     const ROUNDOFF: f32;
+    /// The float in which points are placed in the light's frame.
+    type Long: Real;
     /// A vector of i32.
     type Ints: Copy;
     /// One truth value a lane.
@@ -43,6 +47,8 @@ pub trait Lanes: Copy {
     fn sub(self, other: Self) -> Self;
     /// `self · other`.
     fn mul(self, other: Self) -> Self;
+    /// `self·b + c`, rounded once or twice.
+    fn mul_add(self, b: Self, c: Self) -> Self;
     /// `1 / self`, to within 3 [`Lanes::ROUNDOFF`].
     fn recip(self) -> Self;
     /// `|self|`.
@@ -53,6 +59,8 @@ pub trait Lanes: Copy {
     fn max(self, other: Self) -> Self;
     /// `self ≥ other`.
     fn ge(self, other: Self) -> Self::Mask;
+    /// The lanes whose bit is set.
+    fn mask(bits: u32) -> Self::Mask;
     /// Both.
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// `a` where the mask is set, else `b`.
@@ -78,6 +86,7 @@ pub trait Lanes: Copy {
 impl Lanes for f32 {
     const WIDTH: usize = 1;
     const ROUNDOFF: f32 = f32::EPSILON;
+    type Long = f32;
     type Ints = i32;
     type Mask = bool;
 
@@ -126,6 +135,10 @@ impl Lanes for f32 {
         self * other
     }
     #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        self * b + c
+    }
+    #[inline(always)]
     fn recip(self) -> Self {
         1.0 / self
     }
@@ -144,6 +157,10 @@ impl Lanes for f32 {
     #[inline(always)]
     fn ge(self, other: Self) -> bool {
         self >= other
+    }
+    #[inline(always)]
+    fn mask(bits: u32) -> bool {
+        bits & 1 == 1
     }
     #[inline(always)]
     fn both(a: bool, b: bool) -> bool {
@@ -205,6 +222,7 @@ macro_rules! each {
 impl Lanes for Sixteen {
     const WIDTH: usize = TILE;
     const ROUNDOFF: f32 = f32::EPSILON / 2.0;
+    type Long = f64;
     type Ints = [i32; TILE];
     type Mask = [bool; TILE];
 
@@ -253,6 +271,10 @@ impl Lanes for Sixteen {
         Self(each!(k => self.0[k] * other.0[k]))
     }
     #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        Self(each!(k => self.0[k] * b.0[k] + c.0[k]))
+    }
+    #[inline(always)]
     fn recip(self) -> Self {
         Self(each!(k => 1.0 / self.0[k]))
     }
@@ -271,6 +293,10 @@ impl Lanes for Sixteen {
     #[inline(always)]
     fn ge(self, other: Self) -> Self::Mask {
         each!(k => self.0[k] >= other.0[k])
+    }
+    #[inline(always)]
+    fn mask(bits: u32) -> Self::Mask {
+        each!(k => bits >> k & 1 == 1)
     }
     #[inline(always)]
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask {

@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bit_mask;
+pub mod doubt;
 pub mod edge_plane;
 pub mod exact;
 pub mod executor;
@@ -20,9 +21,11 @@ pub mod lattice;
 pub mod light;
 pub mod mask_word;
 pub mod order;
+pub mod outline;
 pub mod plan;
 pub mod precision;
 pub mod proj4;
+pub mod real;
 pub mod row_mask;
 pub mod serial;
 pub mod stage;

@@ -6,29 +6,16 @@
 //! columns that are surely blocked (inner interval) and those that may be (outer), each is decided in integers.
 
 use crate::{
+    doubt::{PairForms, PairIntegers},
     edge_plane::Lines,
-    exact::{self, GridForm, Wide},
     lanes::{Lanes, TILE},
-    light::{LatticeLight, MAX_SAMPLES},
+    light::MAX_SAMPLES,
     mask_word::MaskWord,
+    outline::Outlines,
     precision::PrecisionMode,
 };
-use glam::IVec3;
-
 /// Rows of one receiver, padded to whole tiles: rows at and beyond the light's hold full words.
 pub type MaskRows<W> = [W; MAX_SAMPLES as usize];
-
-/// A pair whose doubtful columns are decided in integers.
-pub struct PairIntegers<'a> {
-    /// The light.
-    pub light: &'a LatticeLight,
-    /// The receiver.
-    pub receiver: IVec3,
-    /// The triangle, in the order in which its lines were made.
-    pub corners: [IVec3; 3],
-    /// Signs decided, added up over all pairs.
-    pub fallbacks: &'a mut u64,
-}
 
 /// The column intervals of a vector of rows, as the planes of one receiver bound them.
 #[derive(Clone, Copy)]
@@ -101,15 +88,7 @@ pub fn fill<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
     while row < rows {
         let Bounds { inner, outer } = bounds::<L, E>(lines, lane, L::count_from(row), columns, P::CERTIFIED);
         let (from, to) = columns_of(inner);
-        let (mut starts, mut ends) = ([0_i32; TILE], [0_i32; TILE]);
-        L::store_ints(from, &mut starts, 0);
-        L::store_ints(to, &mut ends, 0);
-        let Some(words) = mask.get_mut(row..row + L::WIDTH) else { break };
-        let mut k = 0;
-        while k < L::WIDTH && k < words.len() {
-            words[k] = words[k].or(W::span(starts[k] as u32, ends[k] as u32));
-            k += 1;
-        }
+        or_spans::<L, W>(from, to, mask, row);
         // Rows beyond the light's hold full words, and are no rows of this triangle.
         let present = if rows - row < 32 { (1 << (rows - row)) - 1 } else { u32::MAX };
         relevant |= L::less(from, to) & present != 0;
@@ -154,80 +133,116 @@ fn settle_rows<W: MaskWord, const E: usize>(
     relevant
 }
 
-/// The integer forms of one pair, each made when it is first needed.
-pub(crate) struct PairForms([Option<GridForm<Wide>>; 4]);
-
-impl PairForms {
-    pub(crate) const NONE: Self = Self([None; 4]);
-
-    /// Those of the columns in `left` of which the triangle blocks the sample.
-    #[inline(always)]
-    pub(crate) fn settle<W: MaskWord, const E: usize>(
-        &mut self,
-        lines: &Lines<E>,
-        lane: usize,
-        pair: &mut PairIntegers<'_>,
-        row: usize,
-        mut left: W,
-    ) -> W {
-        let mut found = W::EMPTY;
-        while left != W::EMPTY {
-            let column = left.lowest();
-            let bit = W::span(column, column + 1);
-            left = left.without(bit);
-            if self.blocks(lines, lane, pair, row, column) {
-                found = found.or(bit);
-            }
-        }
-        found
-    }
-
-    /// Whether the triangle blocks one sample. Only planes that are themselves in doubt there are asked in integers.
-    #[inline(always)]
-    fn blocks<const E: usize>(
-        &mut self,
-        lines: &Lines<E>,
-        lane: usize,
-        pair: &mut PairIntegers<'_>,
-        row: usize,
-        column: u32,
-    ) -> bool {
-        let side = if lines.flipped >> lane & 1 == 1 { -1 } else { 1 };
+/// ORs the rows of one outlined triangle into one receiver's mask. `lane` is the receiver's in `outlines`. Returns
+/// whether the triangle blocks at least one sample.
+#[inline(always)]
+pub fn fill_outline<L: Lanes, W: MaskWord, P: PrecisionMode>(
+    outlines: &Outlines,
+    lane: usize,
+    pair: &mut PairIntegers<'_>,
+    mask: &mut MaskRows<W>,
+) -> bool {
+    let lane = lane % TILE;
+    let columns = pair.light.columns as f32;
+    let band = L::splat(if P::CERTIFIED { outlines.band[lane] } else { 0.0 });
+    let (first, last) = (outlines.rows[0][lane] as usize, outlines.rows[1][lane] as usize);
+    let (mut relevant, mut unsure) = (false, [0_u32; 2]);
+    let mut row = if first < MAX_SAMPLES as usize - L::WIDTH { first } else { MAX_SAMPLES as usize - L::WIDTH };
+    while row <= last {
+        let rows = L::count_from(row);
+        // Ends are half a column off the grid: no column is near them, and they round to 0 or to `columns`.
+        let (mut from, mut to) = (L::splat(-0.5), L::splat(columns + 0.5));
         let mut k = 0;
-        while k < E {
-            let x = lines.slope[k][lane] * row as f32 + lines.start[k][lane];
-            let beyond = if lines.lower[k] >> lane & 1 == 1 { column as f32 - x } else { x - column as f32 };
-            let doubt = lines.doubt[k][lane];
-            if beyond < -doubt {
-                return false;
-            }
-            if beyond <= doubt {
-                *pair.fallbacks += 1;
-                let sign = self.form(k, pair).sign_at(row as i32, column as i32) * side;
-                // Edges are closed; the triangle's own plane blocks strictly.
-                if sign < 0 || (k == 3 && sign == 0) {
-                    return false;
-                }
+        while k < 3 {
+            let x = L::splat(outlines.slope[k][lane]).mul_add(rows, L::splat(outlines.start[k][lane]));
+            if outlines.lower[k] >> lane & 1 == 1 {
+                from = from.max(x);
+            } else {
+                to = to.min(x);
             }
             k += 1;
         }
-        true
-    }
-
-    #[inline(always)]
-    fn form(&mut self, k: usize, pair: &PairIntegers<'_>) -> GridForm<Wide> {
-        let k = k % 4;
-        if let Some(form) = self.0[k] {
-            return form;
+        let (from, to) = (from.min(L::splat(columns - 0.5)), to.max(L::splat(0.5)));
+        let (starts, ends) = (from.ceil(), to.floor());
+        or_spans::<L, W>(starts, ends, mask, row);
+        let mut present = if last - row < 31 { (2 << (last - row)) - 1 } else { u32::MAX };
+        if row < first {
+            present &= u32::MAX << (first - row);
         }
-        let [a, b, c] = pair.corners;
-        let form = match k {
-            0 => exact::edge_form(pair.light, pair.receiver, a, b),
-            1 => exact::edge_form(pair.light, pair.receiver, b, c),
-            2 => exact::edge_form(pair.light, pair.receiver, c, a),
-            _ => exact::triangle_form(pair.light, pair.corners),
-        };
-        self.0[k] = Some(form);
-        form
+        relevant |= L::less(starts, ends) & present != 0;
+        if P::CERTIFIED {
+            let near = (from.integer_below(band) | to.integer_above(band)) & present;
+            unsure[row / 32 % 2] |= near << (row % 32);
+            if row % 32 != 0 {
+                unsure[1] |= near >> (32 - row % 32);
+            }
+        }
+        row += L::WIDTH;
     }
+    let settled = P::CERTIFIED && unsure[0] | unsure[1] != 0 && settle_outline(outlines, lane, pair, unsure, mask);
+    relevant | settled
+}
+
+/// ORs half-open column intervals into the rows from `row` on.
+#[inline(always)]
+fn or_spans<L: Lanes, W: MaskWord>(starts: L::Ints, ends: L::Ints, mask: &mut MaskRows<W>, row: usize) {
+    let (mut from, mut to) = ([0_i32; TILE], [0_i32; TILE]);
+    L::store_ints(starts, &mut from, 0);
+    L::store_ints(ends, &mut to, 0);
+    let Some(words) = mask.get_mut(row..row + L::WIDTH) else { return };
+    let mut k = 0;
+    while k < L::WIDTH && k < words.len() {
+        words[k] = words[k].or(W::span(from[k] as u32, to[k] as u32));
+        k += 1;
+    }
+}
+
+/// Decides the columns of the rows in `unsure` that lie within the band of a bound. Returns whether any is blocked.
+///
+/// The lines are evaluated again, on one lane, and may round differently: so one band more is looked at on each side.
+#[inline(never)]
+fn settle_outline<W: MaskWord>(
+    outlines: &Outlines,
+    lane: usize,
+    pair: &mut PairIntegers<'_>,
+    mut unsure: [u32; 2],
+    mask: &mut MaskRows<W>,
+) -> bool {
+    let lane = lane % TILE;
+    let (columns, band) = (pair.light.columns as f32, outlines.band[lane]);
+    let mut forms = PairForms::NONE;
+    let mut relevant = false;
+    while unsure[0] | unsure[1] != 0 {
+        let word = (unsure[0] == 0) as usize;
+        let row = word * 32 + unsure[word].trailing_zeros() as usize;
+        unsure[word] &= unsure[word] - 1;
+        let Some(word) = mask.get_mut(row) else { break };
+        let (mut from, mut to) = (-0.5, columns + 0.5);
+        let mut k = 0;
+        while k < 3 {
+            let x = outlines.slope[k][lane] * row as f32 + outlines.start[k][lane];
+            if outlines.lower[k] >> lane & 1 == 1 {
+                from = Lanes::max(from, x);
+            } else {
+                to = Lanes::min(to, x);
+            }
+            k += 1;
+        }
+        let (from, to) = (Lanes::min(from, columns - 0.5), Lanes::max(to, 0.5));
+        let at_from = (Lanes::ceil(from - 2.0 * band), Lanes::floor(from + band) + 1);
+        let at_to = (Lanes::ceil(to - band) - 1, Lanes::floor(to + 2.0 * band));
+        let doubtful = span_within::<W>(at_from, pair.light.columns).or(span_within(at_to, pair.light.columns));
+        let found = forms.settle(outlines, lane, pair, row, doubtful.without(*word));
+        relevant |= found != W::EMPTY;
+        *word = word.or(found);
+    }
+    relevant
+}
+
+/// The columns of a half-open interval that the light has.
+#[inline(always)]
+fn span_within<W: MaskWord>((from, to): (i32, i32), columns: u32) -> W {
+    let from = if from > 0 { from as u32 } else { 0 };
+    let to = if to > 0 { to as u32 } else { 0 };
+    W::span(if from < columns { from } else { columns }, if to < columns { to } else { columns })
 }

@@ -6,14 +6,17 @@
 
 use crate::{
     bit_mask,
+    doubt::PairIntegers,
     edge_plane::{LightGrid, Lines, Occluder, PairPlanes, ReceiverTile},
     hierarchy::{Levels, Walk},
     lanes::{Lanes, TILE},
     light::{LatticeLight, MAX_SAMPLES},
     mask_word::MaskWord,
+    outline::{Outlines, Seen, View},
     precision::PrecisionMode,
     proj4::{KeyTile, Keys, least},
-    row_mask::{self, MaskRows, PairIntegers},
+    real::Real,
+    row_mask::{self, MaskRows},
     statistics::Counts,
 };
 
@@ -84,6 +87,16 @@ impl<W: MaskWord> Group<W> {
     }
 }
 
+impl<W> Group<W> {
+    /// Books one pair. `lane < TILE`.
+    #[inline(always)]
+    fn tell(&mut self, lane: usize, relevant: bool) {
+        self.relevant[lane % TILE] += relevant as u32;
+        self.counts.pairs_relevant += relevant as u64;
+        self.touched |= (relevant as u32) << lane;
+    }
+}
+
 /// Fills the masks of a group.
 #[inline(always)]
 pub fn resolve<L: Lanes, W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
@@ -92,7 +105,7 @@ pub fn resolve<L: Lanes, W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, g
     }
     let need = group_need(group.active, &group.needs);
     let mut walk = Walk::new::<L>(scene.levels, scene.nodes, &need);
-    let mut lines = Lines::<3>::EMPTY;
+    let mut meeting = Meeting::<L::Long>::new::<W, P>(scene.grid, group);
     while let Some((tile, mut bits)) = walk.next::<L>(scene.nodes, &need) {
         let Some(keys) = scene.nodes.get(tile as usize) else { return };
         while bits != 0 {
@@ -105,11 +118,7 @@ pub fn resolve<L: Lanes, W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, g
             }
             group.counts.pairs_kept += u64::from(kept.count_ones());
             let Some(occluder) = scene.occluders.get(tile as usize * TILE + entry) else { return };
-            if occluder.mixed == 0 {
-                resolve_pairs::<L, W, P, 3>(scene.grid, occluder, kept, &mut lines, group);
-            } else {
-                resolve_mixed::<L, W, P>(scene.grid, occluder, kept, group);
-            }
+            meeting.meet::<L, W, P>(scene.grid, occluder, kept, group);
         }
         drop_full(scene.grid.light.columns, group);
         if group.active == 0 {
@@ -145,45 +154,75 @@ fn group_need(active: u32, needs: &KeyTile) -> Keys {
     need
 }
 
-/// Few triangles have a plane that meets the light. (Inlined all the same: a function of its own would be compiled
-/// without the instruction set that the executor chose.)
-#[inline(always)]
-fn resolve_mixed<L: Lanes, W: MaskWord, P: PrecisionMode>(
-    grid: &LightGrid,
-    occluder: &Occluder,
-    kept: u32,
-    group: &mut Group<W>,
-) {
-    let mut lines = Lines::EMPTY;
-    resolve_pairs::<L, W, P, 4>(grid, occluder, kept, &mut lines, group);
+/// What one group needs to meet triangles: how its receivers see the light, and room for lines.
+#[derive(Clone, Debug)]
+pub struct Meeting<R> {
+    view: View<R>,
+    outlines: Outlines,
+    lines: Lines<3>,
 }
 
-/// One triangle against the receivers in `kept`. `E` planes: the edges', and the triangle's own where it meets the light.
-#[inline(always)]
-pub fn resolve_pairs<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
-    grid: &LightGrid,
-    occluder: &Occluder,
-    kept: u32,
-    lines: &mut Lines<E>,
-    group: &mut Group<W>,
-) {
-    fill_pairs::<L, W, P, E, false>(grid, occluder, kept, lines, group);
+impl<R: Real> Meeting<R> {
+    /// Of the receivers that are active now.
+    #[inline(always)]
+    pub fn new<W: MaskWord, P: PrecisionMode>(grid: &LightGrid, group: &Group<W>) -> Self {
+        let view = View::new::<P>(grid, &group.receivers, group.active);
+        Self { view, outlines: Outlines::EMPTY, lines: Lines::EMPTY }
+    }
+
+    /// One triangle against the receivers in `kept`: rows at once.
+    #[inline(always)]
+    pub fn meet<L: Lanes<Long = R>, W: MaskWord, P: PrecisionMode>(
+        &mut self,
+        grid: &LightGrid,
+        occluder: &Occluder,
+        kept: u32,
+        group: &mut Group<W>,
+    ) {
+        if occluder.mixed != 0 {
+            let mut lines = Lines::<4>::EMPTY;
+            return by_planes::<L, W, P, 4, false>(grid, occluder, kept, &mut lines, group);
+        }
+        let Seen { mut outlined, unknown } = self.outlines.outline::<L, P>(&self.view, occluder, kept);
+        while outlined != 0 {
+            let lane = outlined.trailing_zeros() as usize % TILE;
+            outlined &= outlined - 1;
+            let mut pair = PairIntegers {
+                light: &grid.light,
+                receiver: group.receivers.point(lane),
+                corners: occluder.corners,
+                fallbacks: &mut group.counts.fallbacks,
+            };
+            let relevant = row_mask::fill_outline::<L, W, P>(&self.outlines, lane, &mut pair, &mut group.masks[lane]);
+            group.tell(lane, relevant);
+        }
+        if unknown != 0 {
+            by_planes::<L, W, P, 3, false>(grid, occluder, unknown, &mut self.lines, group);
+        }
+    }
+
+    /// As [`Meeting::meet`], one light sample at a time. For measurements: the bits are the same.
+    #[inline(always)]
+    pub fn meet_bits<L: Lanes<Long = R>, W: MaskWord, P: PrecisionMode>(
+        &mut self,
+        grid: &LightGrid,
+        occluder: &Occluder,
+        kept: u32,
+        group: &mut Group<W>,
+    ) {
+        if occluder.mixed != 0 {
+            let mut lines = Lines::<4>::EMPTY;
+            by_planes::<L, W, P, 4, true>(grid, occluder, kept, &mut lines, group);
+        } else {
+            by_planes::<L, W, P, 3, true>(grid, occluder, kept, &mut self.lines, group);
+        }
+    }
 }
 
-/// As [`resolve_pairs`], one light sample at a time. For measurements: the bits are the same.
+/// One triangle against the receivers in `kept`, by its edges' planes, and its own where it meets the light. (Inlined: a
+/// function of its own would be compiled without the instruction set that the executor chose.)
 #[inline(always)]
-pub fn resolve_bits<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
-    grid: &LightGrid,
-    occluder: &Occluder,
-    kept: u32,
-    lines: &mut Lines<E>,
-    group: &mut Group<W>,
-) {
-    fill_pairs::<L, W, P, E, true>(grid, occluder, kept, lines, group);
-}
-
-#[inline(always)]
-fn fill_pairs<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize, const BITS: bool>(
+fn by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize, const BITS: bool>(
     grid: &LightGrid,
     occluder: &Occluder,
     kept: u32,
@@ -207,8 +246,6 @@ fn fill_pairs<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize, const BIT
         } else {
             row_mask::fill::<L, W, P, E>(lines, lane, &mut pair, mask)
         };
-        group.relevant[lane] += relevant as u32;
-        group.counts.pairs_relevant += relevant as u64;
-        group.touched |= (relevant as u32) << lane;
+        group.tell(lane, relevant);
     }
 }

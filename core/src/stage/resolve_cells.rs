@@ -5,12 +5,12 @@
 //! goes on.
 
 use crate::{
-    edge_plane::{LightGrid, Lines, Occluder},
+    edge_plane::{LightGrid, Occluder},
     lanes::Lanes,
     mask_word::MaskWord,
     precision::PrecisionMode,
     proj4::Keys,
-    stage::resolve::{Group, resolve_bits, resolve_pairs},
+    stage::resolve::{Group, Meeting},
 };
 
 /// How a mask is filled.
@@ -43,8 +43,10 @@ pub fn resolve_cell<L: Lanes, W: MaskWord, P: PrecisionMode>(
     list: &[u32],
     group: &mut Group<W>,
 ) {
-    let mut lines = Lines::<3>::EMPTY;
-    let mut mixed_lines = Lines::<4>::EMPTY;
+    if group.active == 0 {
+        return;
+    }
+    let mut meeting = Meeting::<L::Long>::new::<W, P>(scene.grid, group);
     let mut at = 0;
     while at < list.len() && group.active != 0 {
         let found = scene.triangles.get(list[at] as usize);
@@ -59,11 +61,9 @@ pub fn resolve_cell<L: Lanes, W: MaskWord, P: PrecisionMode>(
             continue;
         }
         group.counts.pairs_kept += u64::from(kept.count_ones());
-        match (scene.rows, occluder.mixed) {
-            (Rows::Words, 0) => resolve_pairs::<L, W, P, 3>(scene.grid, occluder, kept, &mut lines, group),
-            (Rows::Words, _) => resolve_pairs::<L, W, P, 4>(scene.grid, occluder, kept, &mut mixed_lines, group),
-            (Rows::Bits, 0) => resolve_bits::<L, W, P, 3>(scene.grid, occluder, kept, &mut lines, group),
-            (Rows::Bits, _) => resolve_bits::<L, W, P, 4>(scene.grid, occluder, kept, &mut mixed_lines, group),
+        match scene.rows {
+            Rows::Words => meeting.meet::<L, W, P>(scene.grid, occluder, kept, group),
+            Rows::Bits => meeting.meet_bits::<L, W, P>(scene.grid, occluder, kept, group),
         }
     }
 }

@@ -4,7 +4,7 @@ use core::arch::x86_64::*;
 
 use umbra4_core::lanes::{Lanes, TILE};
 
-/// Sixteen f32 in two registers. Only kernels compiled for AVX2 use it, and those run only where it was detected.
+/// Sixteen f32 in two registers. Only kernels compiled for AVX2 and FMA use it, and those run only where it was detected.
 #[derive(Clone, Copy)]
 pub struct Avx2(__m256, __m256);
 
@@ -12,7 +12,7 @@ pub struct Avx2(__m256, __m256);
 #[derive(Clone, Copy)]
 pub struct Pair(__m256i, __m256i);
 
-// SAFETY of every block below: the intrinsics need AVX2, which `Isa::detect` has found before any kernel that uses this
+// SAFETY of every block below: the intrinsics need AVX2 and FMA, which `Isa::detect` has found before any kernel that uses this
 // type is called; loads and stores are unaligned and stay within arrays of sixteen.
 macro_rules! intrinsics {
     ($e:expr) => {{
@@ -26,6 +26,7 @@ const HALF: usize = TILE / 2;
 impl Lanes for Avx2 {
     const WIDTH: usize = TILE;
     const ROUNDOFF: f32 = f32::EPSILON / 2.0;
+    type Long = f64;
     type Ints = Pair;
     type Mask = Pair;
 
@@ -89,6 +90,10 @@ impl Lanes for Avx2 {
         intrinsics!(Self(_mm256_mul_ps(self.0, other.0), _mm256_mul_ps(self.1, other.1)))
     }
     #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        intrinsics!(Self(_mm256_fmadd_ps(self.0, b.0, c.0), _mm256_fmadd_ps(self.1, b.1, c.1)))
+    }
+    #[inline(always)]
     fn recip(self) -> Self {
         intrinsics!({
             let one = _mm256_set1_ps(1.0);
@@ -116,6 +121,18 @@ impl Lanes for Avx2 {
             _mm256_castps_si256(_mm256_cmp_ps::<_CMP_GE_OQ>(self.0, other.0)),
             _mm256_castps_si256(_mm256_cmp_ps::<_CMP_GE_OQ>(self.1, other.1))
         ))
+    }
+    #[inline(always)]
+    fn mask(bits: u32) -> Pair {
+        intrinsics!({
+            let all = _mm256_set1_epi32(bits as i32);
+            let low = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let high = _mm256_slli_epi32::<8>(low);
+            Pair(
+                _mm256_cmpeq_epi32(_mm256_and_si256(all, low), low),
+                _mm256_cmpeq_epi32(_mm256_and_si256(all, high), high),
+            )
+        })
     }
     #[inline(always)]
     fn both(a: Pair, b: Pair) -> Pair {

@@ -20,6 +20,7 @@ macro_rules! intrinsics {
 impl Lanes for Avx512 {
     const WIDTH: usize = TILE;
     const ROUNDOFF: f32 = f32::EPSILON / 2.0;
+    type Long = f64;
     type Ints = __m512i;
     type Mask = __mmask16;
 
@@ -72,8 +73,17 @@ impl Lanes for Avx512 {
         intrinsics!(Self(_mm512_mul_ps(self.0, other.0)))
     }
     #[inline(always)]
+    fn mul_add(self, b: Self, c: Self) -> Self {
+        intrinsics!(Self(_mm512_fmadd_ps(self.0, b.0, c.0)))
+    }
+    #[inline(always)]
     fn recip(self) -> Self {
-        intrinsics!(Self(_mm512_div_ps(_mm512_set1_ps(1.0), self.0)))
+        // An estimate to 2^-14 and one step of Newton's: 2^-28, and two roundings.
+        intrinsics!({
+            let estimate = _mm512_rcp14_ps(self.0);
+            let rest = _mm512_fnmadd_ps(self.0, estimate, _mm512_set1_ps(1.0));
+            Self(_mm512_fmadd_ps(estimate, rest, estimate))
+        })
     }
     #[inline(always)]
     fn abs(self) -> Self {
@@ -90,6 +100,10 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn ge(self, other: Self) -> __mmask16 {
         intrinsics!(_mm512_cmp_ps_mask::<_CMP_GE_OQ>(self.0, other.0))
+    }
+    #[inline(always)]
+    fn mask(bits: u32) -> __mmask16 {
+        bits as __mmask16
     }
     #[inline(always)]
     fn both(a: __mmask16, b: __mmask16) -> __mmask16 {

@@ -36,6 +36,7 @@ impl Isa {
         #[cfg(target_arch = "x86_64")]
         {
             let avx2 = is_x86_feature_detected!("avx2")
+                && is_x86_feature_detected!("fma")
                 && is_x86_feature_detected!("bmi1")
                 && is_x86_feature_detected!("bmi2")
                 && is_x86_feature_detected!("lzcnt")
@@ -108,25 +109,25 @@ impl fmt::Display for Isa {
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi1,bmi2,lzcnt,popcnt")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn resolve_avx512<W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
     resolve::<avx512::Avx512, W, P>(scene, group);
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn resolve_avx2<W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
     resolve::<avx2::Avx2, W, P>(scene, group);
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,bmi1,bmi2,lzcnt,popcnt")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn resolve_cell_avx512<W: MaskWord, P: PrecisionMode>(scene: &CellScene<'_>, list: &[u32], group: &mut Group<W>) {
     resolve_cell::<avx512::Avx512, W, P>(scene, list, group);
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn resolve_cell_avx2<W: MaskWord, P: PrecisionMode>(scene: &CellScene<'_>, list: &[u32], group: &mut Group<W>) {
     resolve_cell::<avx2::Avx2, W, P>(scene, list, group);
 }

@@ -1,0 +1,470 @@
+//! A triangle as a receiver sees it against the light: its corners projected to the light's grid, its edges as lines
+//! over the rows.
+//!
+//! Seed: Wang et al. 2016, section 3.3, where each edge has a plane through the receiver. Departure: where all corners
+//! rise from the receiver towards the light, the planes' traces on the light are the sides of one triangle, and its
+//! corners cost less than its planes: a perspective division each. The corners also tell which rows can change at all.
+//! What is not certified here is left to `edge_plane`, which needs no division by a height.
+//!
+//! # Error bound
+//! Coordinates are columns j, rows i and heights h of the light's frame, *sheared* along the ray from one receiver of the
+//! group to the light's middle. A shear along the plane h = 0 moves no point of it, so its rounding is no error; but
+//! receivers and relevant corners then lie almost above one another, and little is cancelled. Receivers are placed
+//! relative to the light (j_p, i_p, h_p) and to that one receiver, corners relative to it too, with [`Real`], and rounded
+//! to f32. With `d = corner − receiver` the corner is seen at `j = j_p + s·d_j`, `s = h_p/(−d_h)`.
+//!
+//! In units of ε, to first order: j_p has 1, and C from its dot product; d_j is the difference of two rounded numbers,
+//! 1·|d_j| and at most B + D, twice the largest receiver and the dot product's own; d_h likewise, 1·|d_h| and B_h + D_h;
+//! s has 3 for the reciprocal, 1 for the product and those of h_p (1 and C_h/h_p) and d_h; j has one for its product and
+//! one for its sum. With `e ≥ |j|, |i|` of all corners and `q = e + max |j_p|, |i_p| ≥ |s·d_j|, |s·d_i|`, each coordinate is
+//! known to
+//! `δ = ε·(C + s·(B + D) + q·((B_h + D_h)/|d_h| + C_h/h_p + 9 + e·F_h) + e·(2 + F))`.
+//! C, D, their likes and F, the rounding of the axes along the light's steps (it bends the grid, and by F_h the light
+//! plane), are zero with f64.
+//!
+//! *Lines.* Let T be the true triangle on the grid, T' the computed one; corners differ by at most δ in each coordinate.
+//! A sample in T lies in T' grown by the box of radius δ, so on the inner side of each side of T' moved outwards by
+//! `δ·(1 + |β|)` columns, β the side's slope in columns a row. And a sample whose box of radius δ lies in T' lies in T: else a
+//! line through the sample would have all corners of T strictly on one side, those of T' less than δ beyond it, and
+//! the box reaches farther. That box lies in T' where the sample is inside each side moved inwards by the same. So
+//! `doubt = (1 + max |β|)·δ` serves all three, once the evaluation of a line is counted: at most `10·ε·(e + 64)·(1 + |β|)`.
+//!
+//! *Orientation.* Moving corners by δ changes twice the area by at most `4δ·(w + h) + 16δ²`, w and h the extents of T', and
+//! rounding by less than `δ·(w + h)`. So the sign of T' is that of T where twice its area is at least `6δ·(w + h)` (which
+//! implies w + h ≥ 24δ, and so covers the quadratic term). It tells the receiver's side of the triangle's plane.
+//!
+//! *Flat sides*, of less than 1/32 row, have no usable slope. If no row lies within δ of one, it separates whole rows,
+//! and a line that is all but parallel to them stands for it.
+
+use glam::{IVec3, Vec3};
+
+use crate::{
+    doubt::Margins,
+    edge_plane::{LightGrid, Occluder, ReceiverTile, float},
+    lanes::{Lanes, TILE},
+    light::MAX_SAMPLES,
+    precision::PrecisionMode,
+    real::{Axis, Real},
+};
+
+/// Second-order terms, and the bound's own arithmetic.
+const SPARE: f32 = 1.125;
+/// Heights are used where they exceed their sum over absolute values by this: relative errors stay small.
+const LEAST_HEIGHT: f32 = 1.0 / 1024.0;
+/// Sides that rise by less, in rows, have no usable slope.
+const FLAT: f32 = 1.0 / 32.0;
+/// The same where nothing is certified.
+const LEAST_RISE: f32 = 1.0e-6;
+/// The slope that stands for a flat side, in columns a row: over the least δ (640ε) it crosses the whole grid.
+const FLAT_SLOPE: f32 = (1 << 22) as f32;
+/// Doubts of as many columns or more are not looked at here: half a column would hold no certain one.
+const MOST_DOUBT: f32 = 0.25;
+
+/// Sixteen receivers in the light's sheared frame.
+#[derive(Clone, Copy, Debug)]
+pub struct View<R> {
+    /// Sheared axes: columns, rows, and minus the height.
+    axes: [Axis<R>; 3],
+    /// The receiver that all points are placed from.
+    base: IVec3,
+    /// Receivers' columns, rows and heights.
+    at: [[f32; TILE]; 3],
+    /// Receivers along the axes, from the base.
+    beside: [[f32; TILE]; 3],
+    /// Lanes that are high enough above the light plane.
+    usable: u32,
+    last_column: f32,
+    last_row: f32,
+    bound: ViewBound,
+}
+
+/// What the receivers contribute to δ, in units of ε.
+#[derive(Clone, Copy, Debug, Default)]
+struct ViewBound {
+    /// Magnitudes of the axes, for what dot products lose.
+    reach: Vec3,
+    height: Vec3,
+    /// B and B_h.
+    beside: f32,
+    beside_height: f32,
+    /// Terms of δ: constant, times e, times q, times e·q.
+    constant: f32,
+    per_e: f32,
+    per_q: f32,
+    per_eq: f32,
+    /// Largest |j_p|, |i_p|.
+    aside: f32,
+}
+
+impl<R: Real> View<R> {
+    /// The receivers of `active` lanes (not none) as the light sees them.
+    #[inline(always)]
+    pub fn new<P: PrecisionMode>(grid: &LightGrid, receivers: &ReceiverTile, active: u32) -> Self {
+        let [u, v, down] = R::axes(grid);
+        let base = receivers.point(active.trailing_zeros() as usize);
+        let middle = base - grid.light.origin;
+        let frame = &grid.frame;
+        let depth = R::from_f32(Lanes::min(R::dot(&down, middle).to_f32(), -1.0));
+        let shear_u = R::dot(&u, middle).minus(R::from_f32(0.5), R::from_f32(frame.last_column)).over(depth);
+        let shear_v = R::dot(&v, middle).minus(R::from_f32(0.5), R::from_f32(frame.last_row)).over(depth);
+        let mut view = Self {
+            axes: [sheared(&u, shear_u, &down), sheared(&v, shear_v, &down), down],
+            base,
+            at: [[0.0; TILE]; 3],
+            beside: [[0.0; TILE]; 3],
+            usable: active,
+            last_column: frame.last_column,
+            last_row: frame.last_row,
+            bound: ViewBound::default(),
+        };
+        let mut lane = 0;
+        while lane < TILE {
+            let p = receivers.point(lane);
+            view.at[0][lane] = R::dot(&view.axes[0], p - grid.light.origin).to_f32();
+            view.at[1][lane] = R::dot(&view.axes[1], p - grid.light.origin).to_f32();
+            view.at[2][lane] = R::dot(&view.axes[2], grid.light.origin - p).to_f32();
+            let mut k = 0;
+            while k < 3 {
+                view.beside[k][lane] = R::dot(&view.axes[k], p - base).to_f32();
+                k += 1;
+            }
+            lane += 1;
+        }
+        if P::CERTIFIED {
+            let normal = frame.normal.abs();
+            let reach_u = frame.along_u.abs() + normal * Lanes::abs(shear_u.to_f32());
+            let reach_v = frame.along_v.abs() + normal * Lanes::abs(shear_v.to_f32());
+            view.certify(grid, receivers, reach_u.max(reach_v), normal);
+        }
+        view
+    }
+
+    #[inline(always)]
+    fn certify(&mut self, grid: &LightGrid, receivers: &ReceiverTile, reach: Vec3, height: Vec3) {
+        let farthest = receivers.farthest(grid.light.origin, grid.light.origin);
+        let steps = float(grid.light.step_u).abs() + float(grid.light.step_v).abs();
+        let heights = R::DOT_ERRORS * height.dot(farthest);
+        let (mut lowest, mut aside) = (f32::MAX, 0.0);
+        let (mut beside, mut beside_height) = (0.0, 0.0);
+        let mut lane = 0;
+        while lane < TILE {
+            if self.usable >> lane & 1 == 1 {
+                let h = self.at[2][lane];
+                if h < heights * LEAST_HEIGHT || h < 1.0 {
+                    self.usable &= !(1 << lane);
+                } else {
+                    lowest = Lanes::min(lowest, h);
+                    aside = Lanes::max(aside, Lanes::max(Lanes::abs(self.at[0][lane]), Lanes::abs(self.at[1][lane])));
+                    beside = Lanes::max(beside, Lanes::abs(self.beside[0][lane]));
+                    beside = Lanes::max(beside, Lanes::abs(self.beside[1][lane]));
+                    beside_height = Lanes::max(beside_height, Lanes::abs(self.beside[2][lane]));
+                }
+            }
+            lane += 1;
+        }
+        let samples = MAX_SAMPLES as f32;
+        let axis = R::AXIS_ERRORS * reach.dot(steps);
+        self.bound = ViewBound {
+            reach: reach * R::DOT_ERRORS,
+            height: height * R::DOT_ERRORS,
+            beside: 2.0 * beside,
+            beside_height: 2.0 * beside_height,
+            constant: aside + R::DOT_ERRORS * reach.dot(farthest) + 10.0 * samples + grid.skew / f32::EPSILON * 2.0,
+            per_e: 12.0 + axis,
+            per_q: heights / lowest + 9.0,
+            per_eq: R::AXIS_ERRORS * height.dot(steps) / lowest,
+            aside,
+        };
+    }
+
+    /// Corners along the axes, from the base, and what is lost in the worst of them, beside and in height.
+    #[inline(always)]
+    fn corners<P: PrecisionMode>(&self, occluder: &Occluder) -> ([[f32; 3]; 3], f32, f32) {
+        let mut out = [[0.0; 3]; 3];
+        let (mut lost, mut lost_height) = (self.bound.beside, self.bound.beside_height);
+        let mut c = 0;
+        while c < 3 {
+            let d = occluder.corners[c] - self.base;
+            let mut k = 0;
+            while k < 3 {
+                out[k][c] = R::dot(&self.axes[k], d).to_f32();
+                k += 1;
+            }
+            if P::CERTIFIED && R::DOT_ERRORS > 0.0 {
+                let far = float(d).abs();
+                lost = Lanes::max(lost, self.bound.beside + self.bound.reach.dot(far));
+                lost_height = Lanes::max(lost_height, self.bound.beside_height + self.bound.height.dot(far));
+            }
+            c += 1;
+        }
+        (out, lost, lost_height)
+    }
+}
+
+/// `axis − shear·down`
+#[inline(always)]
+fn sheared<R: Real>(axis: &Axis<R>, shear: R, down: &Axis<R>) -> Axis<R> {
+    [axis[0].minus(shear, down[0]), axis[1].minus(shear, down[1]), axis[2].minus(shear, down[2])]
+}
+
+/// The sides of one triangle for sixteen receivers, as lines over the rows: column `slope·i + start` at row i.
+#[derive(Clone, Copy, Debug)]
+pub struct Outlines {
+    /// Columns a row, of each side.
+    pub(crate) slope: [[f32; TILE]; 3],
+    /// Of a side with its bit in `lower`, the least column that is surely inside, at row 0; of another, one more than the
+    /// largest.
+    pub(crate) start: [[f32; TILE]; 3],
+    /// Width of the band before `start` in which a column may be inside. Written only where signs are certified.
+    pub(crate) band: [f32; TILE],
+    /// First and last row that may change.
+    pub(crate) rows: [[i32; TILE]; 2],
+    /// Bit l: for lane l the side bounds the columns from below.
+    pub(crate) lower: [u32; 3],
+}
+
+impl Margins for Outlines {
+    const PLANES: usize = 3;
+
+    /// Twice the doubt counts as unsure: `start` was rounded when it was moved inwards.
+    #[inline(always)]
+    fn margin(&self, k: usize, lane: usize, row: f32, column: f32) -> (f32, f32) {
+        let (band, x) = (self.band[lane], self.slope[k][lane] * row + self.start[k][lane]);
+        let inside = if self.lower[k] >> lane & 1 == 1 { column - x } else { x - 1.0 - column };
+        (inside + 0.5 * band, band)
+    }
+
+    #[inline(always)]
+    fn flipped(&self, _: usize) -> bool {
+        false
+    }
+}
+
+/// Lanes that an outline leaves.
+#[derive(Clone, Copy, Debug)]
+pub struct Seen {
+    /// Their lines are written, and their rows are few.
+    pub outlined: u32,
+    /// Nothing is known of these: their planes must be looked at.
+    pub unknown: u32,
+}
+
+/// A corner as sixteen receivers see it.
+#[derive(Clone, Copy)]
+struct Corner<L> {
+    column: L,
+    row: L,
+    /// `1/(−d_h)`
+    inverse: L,
+}
+
+impl Outlines {
+    /// Lines of nothing, to be written by [`Outlines::outline`].
+    pub const EMPTY: Self = Self {
+        slope: [[0.0; TILE]; 3],
+        start: [[0.0; TILE]; 3],
+        band: [0.0; TILE],
+        rows: [[0; TILE]; 2],
+        lower: [0; 3],
+    };
+
+    /// Writes the outlines of a triangle that faces the light (not a mixed one) for the lanes in `wanted`.
+    #[inline(always)]
+    pub fn outline<L: Lanes, P: PrecisionMode>(
+        &mut self,
+        view: &View<L::Long>,
+        occluder: &Occluder,
+        wanted: u32,
+    ) -> Seen {
+        let (corners, lost, lost_height) = view.corners::<P>(occluder);
+        let bound = TriangleBound { lost, lost_height };
+        self.lower = [0; 3];
+        let mut seen = Seen { outlined: 0, unknown: 0 };
+        let mut first = 0;
+        while first < TILE {
+            let lanes = wanted >> first & ((1 << L::WIDTH) - 1);
+            if lanes != 0 {
+                let chunk = self.chunk::<L, P>(view, &corners, &bound, first, lanes);
+                seen.outlined |= chunk.outlined << first;
+                seen.unknown |= chunk.unknown << first;
+            }
+            first += L::WIDTH;
+        }
+        seen
+    }
+
+    #[inline(always)]
+    fn chunk<L: Lanes, P: PrecisionMode>(
+        &mut self,
+        view: &View<L::Long>,
+        corners: &[[f32; 3]; 3],
+        bound: &TriangleBound,
+        first: usize,
+        wanted: u32,
+    ) -> Seen {
+        let at = [L::load(&view.at[0], first), L::load(&view.at[1], first), L::load(&view.at[2], first)];
+        let mut front = wanted & view.usable >> first;
+        // Heights must exceed what is lost in them.
+        let least = L::splat(if P::CERTIFIED { bound.lost_height * LEAST_HEIGHT + 1.0e-3 } else { 1.0e-3 });
+        let a = view.corner::<L>(first, &at, corners, 0, least, &mut front);
+        let b = view.corner::<L>(first, &at, corners, 1, least, &mut front);
+        let c = view.corner::<L>(first, &at, corners, 2, least, &mut front);
+        if front == 0 {
+            return Seen { outlined: 0, unknown: wanted };
+        }
+
+        let (zero, last_column, last_row) = (L::splat(0.0), L::splat(view.last_column), L::splat(view.last_row));
+        let (left, right) = (a.column.min(b.column).min(c.column), a.column.max(b.column).max(c.column));
+        let (low, high) = (a.row.min(b.row).min(c.row), a.row.max(b.row).max(c.row));
+        // δ of the module's notes.
+        let mut off = zero;
+        if P::CERTIFIED {
+            let unit = SPARE * L::ROUNDOFF;
+            let v = &view.bound;
+            let e = right.max(zero.sub(left)).max(high.max(zero.sub(low)));
+            let inverse = a.inverse.max(b.inverse).max(c.inverse);
+            let per_q = inverse.mul_add(
+                L::splat(bound.lost_height * unit),
+                e.mul_add(L::splat(v.per_eq * unit), L::splat(v.per_q * unit)),
+            );
+            let rest = e.mul_add(L::splat(v.per_e * unit), L::splat(v.constant * unit));
+            let scaled = at[2].mul(inverse).mul_add(L::splat(bound.lost * unit), rest);
+            off = e.add(L::splat(v.aside)).mul_add(per_q, scaled);
+        }
+
+        // Twice the area, positive where the receiver is on the triangle's far side.
+        let (ab, ac) = ([b.column.sub(a.column), b.row.sub(a.row)], [c.column.sub(a.column), c.row.sub(a.row)]);
+        let area = ac[0].mul(ab[1]).sub(ab[0].mul(ac[1]));
+        let mut unknown = wanted & !front;
+        let mut dropped;
+        if P::CERTIFIED {
+            let least_area = right.sub(left).add(high.sub(low)).mul(off).mul(L::splat(6.0));
+            let negative = L::bits(zero.sub(least_area).ge(area));
+            unknown |= !L::bits(area.ge(least_area)) & !negative;
+            dropped = negative;
+        } else {
+            dropped = !L::bits(area.ge(L::splat(f32::MIN_POSITIVE)));
+        }
+
+        // Rows that may change, and whether any sample may.
+        let half = L::splat(0.5);
+        let from = low.sub(off).max(zero.sub(half)).min(last_row.add(half)).ceil();
+        let to = high.add(off).min(last_row.add(half)).max(zero.sub(L::splat(1.0))).floor();
+        dropped |= L::less(to, from);
+        dropped |= !L::bits(L::both(right.add(off).ge(zero), last_column.ge(left.sub(off))));
+        dropped &= front;
+        unknown = wanted & unknown & !dropped;
+        let candidates = wanted & front & !dropped;
+        if candidates == 0 {
+            return Seen { outlined: 0, unknown };
+        }
+        L::store_ints(from, &mut self.rows[0], first);
+        L::store_ints(to, &mut self.rows[1], first);
+
+        let mut sides = Sides { steepest: zero, stuck: 0, start: [zero; 3], lower: [0; 3] };
+        self.side::<L, P>(0, first, &a, [ab[0], ab[1]], off, candidates, &mut sides);
+        self.side::<L, P>(1, first, &b, [c.column.sub(b.column), c.row.sub(b.row)], off, candidates, &mut sides);
+        self.side::<L, P>(2, first, &c, [zero.sub(ac[0]), zero.sub(ac[1])], off, candidates, &mut sides);
+        let mut doubt = zero;
+        if P::CERTIFIED {
+            doubt = sides.steepest.mul_add(off, off);
+            doubt.add(doubt).store(&mut self.band, first);
+            unknown |= candidates & (sides.stuck | L::bits(doubt.ge(L::splat(MOST_DOUBT))));
+        }
+        let (below, above) = (doubt, L::splat(1.0).sub(doubt));
+        let mut k = 0;
+        while k < 3 {
+            let inwards = L::select(L::mask(sides.lower[k]), below, above);
+            sides.start[k].add(inwards).store(&mut self.start[k], first);
+            self.lower[k] |= sides.lower[k] << first;
+            k += 1;
+        }
+        Seen { outlined: candidates & !unknown, unknown }
+    }
+
+    /// One side, from `corner` on, by `along` columns and rows.
+    #[inline(always)]
+    #[allow(clippy::too_many_arguments)]
+    fn side<L: Lanes, P: PrecisionMode>(
+        &mut self,
+        k: usize,
+        first: usize,
+        corner: &Corner<L>,
+        along: [L; 2],
+        off: L,
+        candidates: u32,
+        sides: &mut Sides<L>,
+    ) {
+        let zero = L::splat(0.0);
+        let rise = along[1].abs();
+        let least = L::splat(if P::CERTIFIED { FLAT } else { LEAST_RISE });
+        let upwards = along[1].ge(zero);
+        let inverse = rise.max(least).recip();
+        let mut slope = along[0].mul(L::select(upwards, inverse, zero.sub(inverse)));
+        let mut start = corner.column.sub(slope.mul(corner.row));
+        let mut lower = L::bits(upwards);
+        if P::CERTIFIED {
+            let steep = slope.abs();
+            let flat = L::bits(rise.ge(least)) ^ ((1 << L::WIDTH) - 1);
+            if flat & candidates == 0 {
+                sides.steepest = sides.steepest.max(steep);
+            } else {
+                let mask = L::mask(flat);
+                sides.steepest = sides.steepest.max(L::select(mask, zero, steep));
+                let (one, other) = (corner.row, corner.row.add(along[1]));
+                let top = one.max(other).add(off);
+                sides.stuck |= flat & top.integer_below(top.sub(one.min(other).sub(off)));
+                // Clockwise: to the right of a side that goes right is what lies below it.
+                let cut = L::select(along[0].ge(zero), L::splat(FLAT_SLOPE), L::splat(-FLAT_SLOPE));
+                let middle = one.add(other).mul(L::splat(0.5));
+                slope = L::select(mask, cut, slope);
+                start = L::select(mask, zero.sub(cut.mul(middle)), start);
+                lower |= flat;
+            }
+        }
+        slope.store(&mut self.slope[k], first);
+        sides.start[k] = start;
+        sides.lower[k] = lower;
+    }
+}
+
+/// What the sides of one chunk have in common.
+struct Sides<L> {
+    /// Largest |slope|, flat sides left out.
+    steepest: L,
+    /// Lanes with a row too near to a flat side.
+    stuck: u32,
+    /// Columns at row 0, not yet moved inwards.
+    start: [L; 3],
+    lower: [u32; 3],
+}
+
+/// What a triangle contributes to δ, in units of ε: B + D and B_h + D_h.
+struct TriangleBound {
+    lost: f32,
+    lost_height: f32,
+}
+
+impl<R: Real> View<R> {
+    /// Projects a corner. Lanes of which it is not clearly above the receiver leave `front`; their corner is finite.
+    #[inline(always)]
+    fn corner<L: Lanes>(
+        &self,
+        first: usize,
+        at: &[L; 3],
+        corners: &[[f32; 3]; 3],
+        c: usize,
+        least: L,
+        front: &mut u32,
+    ) -> Corner<L> {
+        let rise = L::splat(corners[2][c]).sub(L::load(&self.beside[2], first));
+        *front &= L::bits(rise.ge(least));
+        let inverse = rise.max(least).recip();
+        let s = at[2].mul(inverse);
+        Corner {
+            column: L::splat(corners[0][c]).sub(L::load(&self.beside[0], first)).mul_add(s, at[0]),
+            row: L::splat(corners[1][c]).sub(L::load(&self.beside[1], first)).mul_add(s, at[1]),
+            inverse,
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! The float in which points are placed in the light's frame: f64 where the processor has it, f32 where it has not.
+//! Placed points are handed on in f32; what is lost before that is part of the error bound.
+
+use glam::IVec3;
+
+use crate::edge_plane::LightGrid;
+
+/// A vector of [`Real`].
+pub type Axis<R> = [R; 3];
+
+/// A float for placing points.
+pub trait Real: Copy {
+    /// Roundoffs of a rounded axis' dot product with an integer difference, relative to the sum over absolute values, and
+    /// those of the axis alone. Zero where the type is so long that neither is seen in f32.
+    const DOT_ERRORS: f32;
+    /// See [`Real::DOT_ERRORS`].
+    const AXIS_ERRORS: f32;
+    /// Columns, rows and minus the height: axes of the light's frame.
+    fn axes(grid: &LightGrid) -> [Axis<Self>; 3];
+    /// Rounds.
+    fn from_f32(x: f32) -> Self;
+    /// Rounds.
+    fn to_f32(self) -> f32;
+    /// `axis·d`
+    fn dot(axis: &Axis<Self>, d: IVec3) -> Self;
+    /// `self − b·c`
+    fn minus(self, b: Self, c: Self) -> Self;
+    /// `self / b`
+    fn over(self, b: Self) -> Self;
+}
+
+macro_rules! real {
+    ($float:ty, $dot:literal, $axis:literal, $grid:ident => $axes:expr) => {
+        impl Real for $float {
+            const DOT_ERRORS: f32 = $dot;
+            const AXIS_ERRORS: f32 = $axis;
+
+            #[inline(always)]
+            fn axes($grid: &LightGrid) -> [Axis<Self>; 3] {
+                $axes
+            }
+            #[inline(always)]
+            fn from_f32(x: f32) -> Self {
+                x as Self
+            }
+            #[inline(always)]
+            fn to_f32(self) -> f32 {
+                self as f32
+            }
+            #[inline(always)]
+            fn dot(axis: &Axis<Self>, d: IVec3) -> Self {
+                axis[0] * d.x as Self + axis[1] * d.y as Self + axis[2] * d.z as Self
+            }
+            #[inline(always)]
+            fn minus(self, b: Self, c: Self) -> Self {
+                self - b * c
+            }
+            #[inline(always)]
+            fn over(self, b: Self) -> Self {
+                self / b
+            }
+        }
+    };
+}
+
+#[cfg(not(target_arch = "spirv"))]
+real!(f64, 0.0, 0.0, grid => grid.long_axes);
+real!(f32, 4.0, 3.0, grid => {
+    let frame = &grid.frame;
+    [frame.along_u.to_array(), frame.along_v.to_array(), (-frame.normal).to_array()]
+});
