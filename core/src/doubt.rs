@@ -1,8 +1,7 @@
 //! Doubtful samples of one pair, decided in integers.
 
-use glam::IVec3;
-
 use crate::{
+    edge_plane::{Occluder, ReceiverTile},
     exact::{self, GridForm, Wide},
     light::LatticeLight,
     mask_word::MaskWord,
@@ -12,10 +11,10 @@ use crate::{
 pub struct PairIntegers<'a> {
     /// The light.
     pub light: &'a LatticeLight,
-    /// The receiver.
-    pub receiver: IVec3,
-    /// The triangle, in the order in which its lines were made.
-    pub corners: [IVec3; 3],
+    /// Receivers; the pair's is given by its lane.
+    pub receivers: &'a ReceiverTile,
+    /// The triangle.
+    pub occluder: &'a Occluder,
     /// Signs decided, added up over all pairs.
     pub fallbacks: &'a mut u64,
 }
@@ -77,7 +76,7 @@ impl PairForms {
             }
             if inside <= doubt {
                 *pair.fallbacks += 1;
-                let sign = self.form(k, pair).sign_at(row as i32, column as i32) * side;
+                let sign = self.form(k, lane, pair).sign_at(row as i32, column as i32) * side;
                 // Edges are closed; the triangle's own plane blocks strictly.
                 if sign < 0 || (k == 3 && sign == 0) {
                     return false;
@@ -89,17 +88,17 @@ impl PairForms {
     }
 
     #[inline(always)]
-    fn form(&mut self, k: usize, pair: &PairIntegers<'_>) -> GridForm<Wide> {
+    fn form(&mut self, k: usize, lane: usize, pair: &PairIntegers<'_>) -> GridForm<Wide> {
         let k = k % 4;
         if let Some(form) = self.0[k] {
             return form;
         }
-        let [a, b, c] = pair.corners;
+        let ([a, b, c], receiver) = (pair.occluder.corners(), pair.receivers.point(lane));
         let form = match k {
-            0 => exact::edge_form(pair.light, pair.receiver, a, b),
-            1 => exact::edge_form(pair.light, pair.receiver, b, c),
-            2 => exact::edge_form(pair.light, pair.receiver, c, a),
-            _ => exact::triangle_form(pair.light, pair.corners),
+            0 => exact::edge_form(pair.light, receiver, a, b),
+            1 => exact::edge_form(pair.light, receiver, b, c),
+            2 => exact::edge_form(pair.light, receiver, c, a),
+            _ => exact::triangle_form(pair.light, [a, b, c]),
         };
         self.0[k] = Some(form);
         form

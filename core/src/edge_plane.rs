@@ -91,15 +91,14 @@ fn cross_magnitudes(a: Vec3, b: Vec3) -> Vec3 {
     Vec3::new(a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x)
 }
 
-/// A triangle as the resolve stage meets it.
+/// A triangle as the resolve stage meets it. Unless its plane is mixed, its corners are ordered so that all light samples
+/// lie on the positive side of the plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Occluder {
-    /// Corners on the lattice. Unless the plane is mixed, they are ordered so that all light samples lie on the
-    /// positive side of the plane.
-    pub corners: [IVec3; 3],
-    /// 1 where the triangle's plane meets the light's sample grid, so that it cuts masks as a fourth plane; else 0.
-    pub mixed: u32,
+    /// Lattice coordinates, axis-major, so that one load brings an axis of all corners. The fourth entries are no corner:
+    /// the first of them is 1 where the plane is mixed.
+    axes: [[i32; 4]; 3],
 }
 
 impl Occluder {
@@ -120,10 +119,47 @@ impl Occluder {
         let [a, b, c] = corners;
         match (lowest, highest) {
             (0, 0) => None,
-            (1, _) => Some(Self { corners, mixed: 0 }),
-            (_, -1) => Some(Self { corners: [a, c, b], mixed: 0 }),
-            _ => Some(Self { corners, mixed: 1 }),
+            (1, _) => Some(Self::new([a, b, c], false)),
+            (_, -1) => Some(Self::new([a, c, b], false)),
+            _ => Some(Self::new([a, b, c], true)),
         }
+    }
+
+    fn new([a, b, c]: [IVec3; 3], mixed: bool) -> Self {
+        Self { axes: [[a.x, b.x, c.x, mixed as i32], [a.y, b.y, c.y, 0], [a.z, b.z, c.z, 0]] }
+    }
+
+    /// Whether the triangle's plane meets the light's sample grid, so that it cuts masks as a fourth plane.
+    #[inline(always)]
+    pub fn is_mixed(&self) -> bool {
+        self.axes[0][3] != 0
+    }
+
+    /// Corner k; `k < 3`.
+    #[inline(always)]
+    pub fn corner(&self, k: usize) -> IVec3 {
+        let k = k % 3;
+        IVec3::new(self.axes[0][k], self.axes[1][k], self.axes[2][k])
+    }
+
+    /// The corners, in order.
+    #[inline(always)]
+    pub fn corners(&self) -> [IVec3; 3] {
+        [self.corner(0), self.corner(1), self.corner(2)]
+    }
+
+    /// Axis-major differences of the corners from a point; the fourth entries mean nothing.
+    #[inline(always)]
+    pub(crate) fn from(&self, base: IVec3) -> [[i32; 4]; 3] {
+        let mut out = [[0; 4]; 3];
+        let mut c = 0;
+        while c < 4 {
+            out[0][c] = self.axes[0][c].wrapping_sub(base.x);
+            out[1][c] = self.axes[1][c].wrapping_sub(base.y);
+            out[2][c] = self.axes[2][c].wrapping_sub(base.z);
+            c += 1;
+        }
+        out
     }
 }
 
@@ -236,7 +272,8 @@ impl<'a> PairPlanes<'a> {
     /// What all receivers share.
     #[inline(always)]
     pub fn new(grid: &'a LightGrid, receivers: &'a ReceiverTile, occluder: &Occluder) -> Self {
-        let [a, b, c] = occluder.corners;
+        let corners = occluder.corners();
+        let [a, b, c] = corners;
         let edges = [float(b - a), float(c - b), float(a - c)];
         let normal = edges[2].cross(edges[0]);
         let normal_magnitudes = cross_magnitudes(edges[2], edges[0]);
@@ -245,7 +282,7 @@ impl<'a> PairPlanes<'a> {
         let longest = edges[0].abs().max(edges[1].abs()).max(edges[2].abs());
         let origin = grid.light.origin;
         let permanent = cross_magnitudes(farthest, longest).dot(receivers.farthest(origin, origin) + grid.extent);
-        Self { grid, receivers, corners: occluder.corners, edges, normal, normal_magnitudes, permanent, farthest }
+        Self { grid, receivers, corners, edges, normal, normal_magnitudes, permanent, farthest }
     }
 
     /// Computes the lines of the lanes in `wanted` and returns those lanes of which a sample may be blocked. Adds the

@@ -4,7 +4,7 @@
 //! Data that lanes walk over is stored in tiles of [`TILE`] values. A vector of [`Lanes::WIDTH`] lanes covers the lanes
 //! `first..first + WIDTH` of a tile.
 
-use crate::real::Real;
+use crate::real::{Axis, Real};
 
 /// Receivers of a group, children of a node, rows of a chunk: everything comes in tiles of this many.
 pub const TILE: usize = 16;
@@ -79,6 +79,11 @@ pub trait Lanes: Copy {
     fn differ(a: Self::Ints, b: Self::Ints) -> u32;
     /// Bit l is set where `a < b` in lane l.
     fn less(a: Self::Ints, b: Self::Ints) -> u32;
+    /// Three axes' dot products with four integer vectors, axis-major, rounded to f32.
+    #[inline(always)]
+    fn dots(axes: &[Axis<Self::Long>; 3], d: &[[i32; 4]; 3]) -> [[f32; 4]; 3] {
+        [Self::Long::dots(&axes[0], d), Self::Long::dots(&axes[1], d), Self::Long::dots(&axes[2], d)]
+    }
 }
 
 /// One lane: a GPU thread, or plain scalar code. The roundoff is that of any conforming GPU, whose rounding direction

@@ -179,23 +179,18 @@ impl<R: Real> View<R> {
 
     /// Corners along the axes, from the base, and what is lost in the worst of them, beside and in height.
     #[inline(always)]
-    fn corners<P: PrecisionMode>(&self, occluder: &Occluder) -> ([[f32; 3]; 3], f32, f32) {
-        let mut out = [[0.0; 3]; 3];
+    fn corners<L: Lanes<Long = R>, P: PrecisionMode>(&self, occluder: &Occluder) -> ([[f32; 4]; 3], f32, f32) {
+        let d = occluder.from(self.base);
+        let out = L::dots(&self.axes, &d);
         let (mut lost, mut lost_height) = (self.bound.beside, self.bound.beside_height);
-        let mut c = 0;
-        while c < 3 {
-            let d = occluder.corners[c] - self.base;
-            let mut k = 0;
-            while k < 3 {
-                out[k][c] = R::dot(&self.axes[k], d).to_f32();
-                k += 1;
-            }
-            if P::CERTIFIED && R::DOT_ERRORS > 0.0 {
-                let far = float(d).abs();
+        if P::CERTIFIED && R::DOT_ERRORS > 0.0 {
+            let mut c = 0;
+            while c < 3 {
+                let far = float(IVec3::new(d[0][c], d[1][c], d[2][c])).abs();
                 lost = Lanes::max(lost, self.bound.beside + self.bound.reach.dot(far));
                 lost_height = Lanes::max(lost_height, self.bound.beside_height + self.bound.height.dot(far));
+                c += 1;
             }
-            c += 1;
         }
         (out, lost, lost_height)
     }
@@ -254,7 +249,9 @@ pub struct Seen {
 struct Corner<L> {
     column: L,
     row: L,
-    /// `1/(−d_h)`
+    /// −d_h
+    rise: L,
+    /// Its reciprocal.
     inverse: L,
 }
 
@@ -276,7 +273,7 @@ impl Outlines {
         occluder: &Occluder,
         wanted: u32,
     ) -> Seen {
-        let (corners, lost, lost_height) = view.corners::<P>(occluder);
+        let (corners, lost, lost_height) = view.corners::<L, P>(occluder);
         let bound = TriangleBound { lost, lost_height };
         self.lower = [0; 3];
         let mut seen = Seen { outlined: 0, unknown: 0 };
@@ -297,7 +294,7 @@ impl Outlines {
     fn chunk<L: Lanes, P: PrecisionMode>(
         &mut self,
         view: &View<L::Long>,
-        corners: &[[f32; 3]; 3],
+        corners: &[[f32; 4]; 3],
         bound: &TriangleBound,
         first: usize,
         wanted: u32,
@@ -309,6 +306,9 @@ impl Outlines {
         let a = view.corner::<L>(first, &at, corners, 0, least, &mut front);
         let b = view.corner::<L>(first, &at, corners, 1, least, &mut front);
         let c = view.corner::<L>(first, &at, corners, 2, least, &mut front);
+        // A triangle that lies lower than the receiver does not come between it and the light.
+        let wanted = wanted & !L::bits(L::splat(0.0).sub(least).ge(a.rise.max(b.rise).max(c.rise)));
+        let front = front & wanted;
         if front == 0 {
             return Seen { outlined: 0, unknown: wanted };
         }
@@ -452,7 +452,7 @@ impl<R: Real> View<R> {
         &self,
         first: usize,
         at: &[L; 3],
-        corners: &[[f32; 3]; 3],
+        corners: &[[f32; 4]; 3],
         c: usize,
         least: L,
         front: &mut u32,
@@ -464,6 +464,7 @@ impl<R: Real> View<R> {
         Corner {
             column: L::splat(corners[0][c]).sub(L::load(&self.beside[0], first)).mul_add(s, at[0]),
             row: L::splat(corners[1][c]).sub(L::load(&self.beside[1], first)).mul_add(s, at[1]),
+            rise,
             inverse,
         }
     }

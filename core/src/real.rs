@@ -23,6 +23,8 @@ pub trait Real: Copy {
     fn to_f32(self) -> f32;
     /// `axis·d`
     fn dot(axis: &Axis<Self>, d: IVec3) -> Self;
+    /// As [`Real::dot`], of four vectors, axis-major.
+    fn dots(axis: &Axis<Self>, d: &[[i32; 4]; 3]) -> [f32; 4];
     /// `self − b·c`
     fn minus(self, b: Self, c: Self) -> Self;
     /// `self / b`
@@ -50,6 +52,17 @@ macro_rules! real {
             #[inline(always)]
             fn dot(axis: &Axis<Self>, d: IVec3) -> Self {
                 axis[0] * d.x as Self + axis[1] * d.y as Self + axis[2] * d.z as Self
+            }
+            #[inline(always)]
+            fn dots(axis: &Axis<Self>, d: &[[i32; 4]; 3]) -> [f32; 4] {
+                let mut out = [0.0; 4];
+                let mut c = 0;
+                while c < 4 {
+                    let sum = axis[0] * d[0][c] as Self + axis[1] * d[1][c] as Self + axis[2] * d[2][c] as Self;
+                    out[c] = sum as f32;
+                    c += 1;
+                }
+                out
             }
             #[inline(always)]
             fn minus(self, b: Self, c: Self) -> Self {

@@ -179,7 +179,7 @@ impl<R: Real> Meeting<R> {
         kept: u32,
         group: &mut Group<W>,
     ) {
-        if occluder.mixed != 0 {
+        if occluder.is_mixed() {
             let mut lines = Lines::<4>::EMPTY;
             return by_planes::<L, W, P, 4, false>(grid, occluder, kept, &mut lines, group);
         }
@@ -189,8 +189,8 @@ impl<R: Real> Meeting<R> {
             outlined &= outlined - 1;
             let mut pair = PairIntegers {
                 light: &grid.light,
-                receiver: group.receivers.point(lane),
-                corners: occluder.corners,
+                receivers: &group.receivers,
+                occluder,
                 fallbacks: &mut group.counts.fallbacks,
             };
             let relevant = row_mask::fill_outline::<L, W, P>(&self.outlines, lane, &mut pair, &mut group.masks[lane]);
@@ -210,7 +210,7 @@ impl<R: Real> Meeting<R> {
         kept: u32,
         group: &mut Group<W>,
     ) {
-        if occluder.mixed != 0 {
+        if occluder.is_mixed() {
             let mut lines = Lines::<4>::EMPTY;
             by_planes::<L, W, P, 4, true>(grid, occluder, kept, &mut lines, group);
         } else {
@@ -236,8 +236,8 @@ fn by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize, const BITS
         alive &= alive - 1;
         let mut pair = PairIntegers {
             light: &grid.light,
-            receiver: group.receivers.point(lane),
-            corners: occluder.corners,
+            receivers: &group.receivers,
+            occluder,
             fallbacks: &mut group.counts.fallbacks,
         };
         let mask = &mut group.masks[lane];

@@ -180,4 +180,8 @@ impl Lanes for Avx2 {
     fn less(a: Pair, b: Pair) -> u32 {
         Self::bits(intrinsics!(Pair(_mm256_cmpgt_epi32(b.0, a.0), _mm256_cmpgt_epi32(b.1, a.1))))
     }
+    #[inline(always)]
+    fn dots(axes: &[[f64; 3]; 3], d: &[[i32; 4]; 3]) -> [[f32; 4]; 3] {
+        super::long::dots(axes, d)
+    }
 }

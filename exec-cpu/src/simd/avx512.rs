@@ -147,4 +147,8 @@ impl Lanes for Avx512 {
     fn less(a: __m512i, b: __m512i) -> u32 {
         intrinsics!(u32::from(_mm512_cmplt_epi32_mask(a, b)))
     }
+    #[inline(always)]
+    fn dots(axes: &[[f64; 3]; 3], d: &[[i32; 4]; 3]) -> [[f32; 4]; 3] {
+        super::long::dots(axes, d)
+    }
 }
