@@ -6,10 +6,9 @@ use crate::{
     doubt::{PairForms, PairIntegers},
     edge_plane::Lines,
     lanes::{Lanes, TILE},
-    light::MAX_SAMPLES,
     mask_word::MaskWord,
     precision::PrecisionMode,
-    row_mask::MaskRows,
+    row_mask::{MASK_ROWS, MaskRows},
 };
 
 /// As [`crate::row_mask::fill`], one light sample at a time (Wang et al. 2016, Algorithm 1, lines 22 to 24), a sample a lane: what rows are
@@ -23,7 +22,7 @@ pub fn fill_bits<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
 ) -> bool {
     let lane = lane % TILE;
     let (rows, columns) = (pair.light.rows as usize, pair.light.columns);
-    let mut doubtful = [W::EMPTY; MAX_SAMPLES as usize];
+    let mut doubtful = [W::EMPTY; MASK_ROWS];
     let (mut relevant, mut unsure) = (false, false);
     let mut row = 0;
     while row < rows {
@@ -63,7 +62,7 @@ pub fn fill_bits<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
 #[inline(always)]
 fn set_column<W: MaskWord>(mask: &mut MaskRows<W>, row: usize, column: u32, mut which: u32) {
     while which != 0 {
-        let r = (row + which.trailing_zeros() as usize) % MAX_SAMPLES as usize;
+        let r = (row + which.trailing_zeros() as usize) % MASK_ROWS;
         which &= which - 1;
         mask[r] = mask[r].or(W::span(column, column + 1));
     }

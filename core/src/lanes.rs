@@ -41,6 +41,8 @@ pub trait Lanes: Copy {
     fn count_from(first: usize) -> Self;
     /// `a − b` as a float; the integer difference is exact (below 2^31 in magnitude).
     fn difference(a: Self::Ints, b: Self::Ints) -> Self;
+    /// `a − b`.
+    fn sub_ints(a: Self::Ints, b: Self::Ints) -> Self::Ints;
     /// `self + other`.
     fn add(self, other: Self) -> Self;
     /// `self − other`.
@@ -126,6 +128,10 @@ impl Lanes for f32 {
     #[inline(always)]
     fn difference(a: i32, b: i32) -> Self {
         a.wrapping_sub(b) as f32
+    }
+    #[inline(always)]
+    fn sub_ints(a: i32, b: i32) -> i32 {
+        a.wrapping_sub(b)
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -262,6 +268,10 @@ impl Lanes for Sixteen {
     #[inline(always)]
     fn difference(a: Self::Ints, b: Self::Ints) -> Self {
         Self(each!(k => a[k].wrapping_sub(b[k]) as f32))
+    }
+    #[inline(always)]
+    fn sub_ints(a: Self::Ints, b: Self::Ints) -> Self::Ints {
+        each!(k => a[k].wrapping_sub(b[k]))
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {

@@ -212,8 +212,10 @@ pub struct Outlines {
     pub(crate) start: [[f32; TILE]; 3],
     /// Width of the band before `start` in which a column may be inside. Written only where signs are certified.
     pub(crate) band: [f32; TILE],
-    /// First and last row that may change.
-    pub(crate) rows: [[i32; TILE]; 2],
+    /// First row that may change.
+    pub(crate) first: [i32; TILE],
+    /// Number of rows that may.
+    pub(crate) count: [i32; TILE],
     /// Bit l: for lane l the side bounds the columns from below.
     pub(crate) lower: [u32; 3],
 }
@@ -261,7 +263,8 @@ impl Outlines {
         slope: [[0.0; TILE]; 3],
         start: [[0.0; TILE]; 3],
         band: [0.0; TILE],
-        rows: [[0; TILE]; 2],
+        first: [0; TILE],
+        count: [0; TILE],
         lower: [0; 3],
     };
 
@@ -349,8 +352,8 @@ impl Outlines {
         // Rows that may change, and whether any sample may.
         let half = L::splat(0.5);
         let from = low.sub(off).max(zero.sub(half)).min(last_row.add(half)).ceil();
-        let to = high.add(off).min(last_row.add(half)).max(zero.sub(L::splat(1.0))).floor();
-        dropped |= L::less(to, from);
+        let end = high.add(off).min(last_row.add(half)).max(zero.sub(half)).add(L::splat(1.0)).floor();
+        dropped |= !L::less(from, end);
         dropped |= !L::bits(L::both(right.add(off).ge(zero), last_column.ge(left.sub(off))));
         dropped &= front;
         unknown = wanted & unknown & !dropped;
@@ -358,8 +361,8 @@ impl Outlines {
         if candidates == 0 {
             return Seen { outlined: 0, unknown };
         }
-        L::store_ints(from, &mut self.rows[0], first);
-        L::store_ints(to, &mut self.rows[1], first);
+        L::store_ints(from, &mut self.first, first);
+        L::store_ints(L::sub_ints(end, from), &mut self.count, first);
 
         let mut sides = Sides { steepest: zero, stuck: 0, start: [zero; 3], lower: [0; 3] };
         self.side::<L, P>(0, first, &a, [ab[0], ab[1]], off, candidates, &mut sides);

@@ -14,8 +14,11 @@ use crate::{
     outline::Outlines,
     precision::PrecisionMode,
 };
-/// Rows of one receiver, padded to whole tiles: rows at and beyond the light's hold full words.
-pub type MaskRows<W> = [W; MAX_SAMPLES as usize];
+/// Rows of one receiver's mask, and room for one tile more, so that a tile of rows may start at any of the light's.
+pub const MASK_ROWS: usize = MAX_SAMPLES as usize + TILE;
+
+/// Rows of one receiver. Those at and beyond the light's hold full words.
+pub type MaskRows<W> = [W; MASK_ROWS];
 
 /// The column intervals of a vector of rows, as the planes of one receiver bound them.
 #[derive(Clone, Copy)]
@@ -133,25 +136,55 @@ fn settle_rows<W: MaskWord, const E: usize>(
     relevant
 }
 
-/// ORs the rows of one outlined triangle into one receiver's mask. `lane` is the receiver's in `outlines`. Returns
-/// whether the triangle blocks at least one sample.
+/// What the rows of one outlined triangle did to a mask.
+#[derive(Clone, Copy, Debug)]
+pub struct Filled {
+    /// Whether a sample is surely blocked.
+    pub relevant: bool,
+    /// Rows with a doubtful column: bit k of word w is the `32w + k`-th from the first that may change.
+    pub unsure: [u32; 2],
+}
+
+/// Where columns end: half a column off the grid, so that no column is near, and ends round to 0 or to `columns`.
+#[derive(Clone, Copy, Debug)]
+pub struct Ends<L> {
+    first: L,
+    before_first: L,
+    last: L,
+    after_last: L,
+}
+
+impl<L: Lanes> Ends<L> {
+    /// Of a light with `columns` columns.
+    #[inline(always)]
+    pub fn new(columns: u32) -> Self {
+        let columns = columns as f32;
+        Self {
+            first: L::splat(0.5),
+            before_first: L::splat(-0.5),
+            last: L::splat(columns - 0.5),
+            after_last: L::splat(columns + 0.5),
+        }
+    }
+}
+
+/// ORs the rows of one outlined triangle into one receiver's mask. `lane` is the receiver's in `outlines`.
 #[inline(always)]
 pub fn fill_outline<L: Lanes, W: MaskWord, P: PrecisionMode>(
     outlines: &Outlines,
     lane: usize,
-    pair: &mut PairIntegers<'_>,
+    ends: &Ends<L>,
     mask: &mut MaskRows<W>,
-) -> bool {
+) -> Filled {
     let lane = lane % TILE;
-    let columns = pair.light.columns as f32;
     let band = L::splat(if P::CERTIFIED { outlines.band[lane] } else { 0.0 });
-    let (first, last) = (outlines.rows[0][lane] as usize, outlines.rows[1][lane] as usize);
-    let (mut relevant, mut unsure) = (false, [0_u32; 2]);
-    let mut row = if first < MAX_SAMPLES as usize - L::WIDTH { first } else { MAX_SAMPLES as usize - L::WIDTH };
-    while row <= last {
+    let mut row = outlines.first[lane] as usize;
+    let mut left = outlines.count[lane] as u32;
+    let mut done = 0;
+    let mut filled = Filled { relevant: false, unsure: [0; 2] };
+    while left != 0 {
         let rows = L::count_from(row);
-        // Ends are half a column off the grid: no column is near them, and they round to 0 or to `columns`.
-        let (mut from, mut to) = (L::splat(-0.5), L::splat(columns + 0.5));
+        let (mut from, mut to) = (ends.before_first, ends.after_last);
         let mut k = 0;
         while k < 3 {
             let x = L::splat(outlines.slope[k][lane]).mul_add(rows, L::splat(outlines.start[k][lane]));
@@ -162,25 +195,26 @@ pub fn fill_outline<L: Lanes, W: MaskWord, P: PrecisionMode>(
             }
             k += 1;
         }
-        let (from, to) = (from.min(L::splat(columns - 0.5)), to.max(L::splat(0.5)));
-        let (starts, ends) = (from.ceil(), to.floor());
-        or_spans::<L, W>(starts, ends, mask, row);
-        let mut present = if last - row < 31 { (2 << (last - row)) - 1 } else { u32::MAX };
-        if row < first {
-            present &= u32::MAX << (first - row);
-        }
-        relevant |= L::less(starts, ends) & present != 0;
+        let (from, to) = (from.min(ends.last), to.max(ends.first));
+        let (starts, stops) = (from.ceil(), to.floor());
+        or_spans::<L, W>(starts, stops, mask, row);
+        // Rows of the tile that are beyond the triangle's may be beyond the light's.
+        let here = if left < L::WIDTH as u32 { left } else { L::WIDTH as u32 };
+        let present = (1 << here) - 1;
+        filled.relevant |= L::less(starts, stops) & present != 0;
         if P::CERTIFIED {
             let near = (from.integer_below(band) | to.integer_above(band)) & present;
-            unsure[row / 32 % 2] |= near << (row % 32);
-            if row % 32 != 0 {
-                unsure[1] |= near >> (32 - row % 32);
+            if done < 32 {
+                filled.unsure[0] |= near << done;
+            } else {
+                filled.unsure[1] |= near << (done - 32);
             }
         }
         row += L::WIDTH;
+        done += here;
+        left -= here;
     }
-    let settled = P::CERTIFIED && unsure[0] | unsure[1] != 0 && settle_outline(outlines, lane, pair, unsure, mask);
-    relevant | settled
+    filled
 }
 
 /// ORs half-open column intervals into the rows from `row` on.
@@ -197,11 +231,11 @@ fn or_spans<L: Lanes, W: MaskWord>(starts: L::Ints, ends: L::Ints, mask: &mut Ma
     }
 }
 
-/// Decides the columns of the rows in `unsure` that lie within the band of a bound. Returns whether any is blocked.
+/// Decides the columns of the rows in `unsure` (see [`Filled`]) that lie within the band of a bound. Returns whether any is blocked.
 ///
 /// The lines are evaluated again, on one lane, and may round differently: so one band more is looked at on each side.
 #[inline(never)]
-fn settle_outline<W: MaskWord>(
+pub fn settle_outline<W: MaskWord>(
     outlines: &Outlines,
     lane: usize,
     pair: &mut PairIntegers<'_>,
@@ -214,7 +248,7 @@ fn settle_outline<W: MaskWord>(
     let mut relevant = false;
     while unsure[0] | unsure[1] != 0 {
         let word = (unsure[0] == 0) as usize;
-        let row = word * 32 + unsure[word].trailing_zeros() as usize;
+        let row = outlines.first[lane] as usize + word * 32 + unsure[word].trailing_zeros() as usize;
         unsure[word] &= unsure[word] - 1;
         let Some(word) = mask.get_mut(row) else { break };
         let (mut from, mut to) = (-0.5, columns + 0.5);

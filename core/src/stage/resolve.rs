@@ -10,13 +10,13 @@ use crate::{
     edge_plane::{LightGrid, Lines, Occluder, PairPlanes, ReceiverTile},
     hierarchy::{Levels, Walk},
     lanes::{Lanes, TILE},
-    light::{LatticeLight, MAX_SAMPLES},
+    light::LatticeLight,
     mask_word::MaskWord,
     outline::{Outlines, Seen, View},
     precision::PrecisionMode,
     proj4::{KeyTile, Keys, least},
     real::Real,
-    row_mask::{self, MaskRows},
+    row_mask::{self, Ends, MASK_ROWS, MaskRows},
     statistics::Counts,
 };
 
@@ -55,7 +55,7 @@ pub struct Group<W> {
 impl<W: MaskWord> Group<W> {
     /// A group without receivers, for a light with `rows` rows.
     pub fn empty(rows: u32) -> Self {
-        let mut mask = [W::below(W::BITS); MAX_SAMPLES as usize];
+        let mut mask = [W::below(W::BITS); MASK_ROWS];
         for word in mask.iter_mut().take(rows as usize) {
             *word = W::EMPTY;
         }
@@ -82,17 +82,27 @@ impl<W: MaskWord> Group<W> {
                 self.needs.set(lane, keys);
                 self.active |= 1 << lane;
             }
-            None => self.masks[lane] = [W::below(light.columns); MAX_SAMPLES as usize],
+            None => self.masks[lane] = [W::below(light.columns); MASK_ROWS],
         }
     }
 }
 
 impl<W> Group<W> {
+    /// Adds up what [`Group::tell`] was told.
+    #[inline(always)]
+    pub(crate) fn sum_relevant(&mut self) {
+        let (mut sum, mut lane) = (0, 0);
+        while lane < TILE {
+            sum += u64::from(self.relevant[lane]);
+            lane += 1;
+        }
+        self.counts.pairs_relevant = sum;
+    }
+
     /// Books one pair. `lane < TILE`.
     #[inline(always)]
     fn tell(&mut self, lane: usize, relevant: bool) {
         self.relevant[lane % TILE] += relevant as u32;
-        self.counts.pairs_relevant += relevant as u64;
         self.touched |= (relevant as u32) << lane;
     }
 }
@@ -100,9 +110,15 @@ impl<W> Group<W> {
 /// Fills the masks of a group.
 #[inline(always)]
 pub fn resolve<L: Lanes, W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
-    if group.active == 0 {
-        return;
+    if group.active != 0 {
+        descend::<L, W, P>(scene, group);
     }
+    group.sum_relevant();
+}
+
+/// Walks the hierarchy until no node is left, or no receiver.
+#[inline(always)]
+fn descend<L: Lanes, W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
     let need = group_need(group.active, &group.needs);
     let mut walk = Walk::new::<L>(scene.levels, scene.nodes, &need);
     let mut meeting = Meeting::<L::Long>::new::<W, P>(scene.grid, group);
@@ -184,16 +200,22 @@ impl<R: Real> Meeting<R> {
             return by_planes::<L, W, P, 4, false>(grid, occluder, kept, &mut lines, group);
         }
         let Seen { mut outlined, unknown } = self.outlines.outline::<L, P>(&self.view, occluder, kept);
+        let ends = Ends::new(grid.light.columns);
         while outlined != 0 {
             let lane = outlined.trailing_zeros() as usize % TILE;
             outlined &= outlined - 1;
-            let mut pair = PairIntegers {
-                light: &grid.light,
-                receivers: &group.receivers,
-                occluder,
-                fallbacks: &mut group.counts.fallbacks,
-            };
-            let relevant = row_mask::fill_outline::<L, W, P>(&self.outlines, lane, &mut pair, &mut group.masks[lane]);
+            let filled = row_mask::fill_outline::<L, W, P>(&self.outlines, lane, &ends, &mut group.masks[lane]);
+            let mut relevant = filled.relevant;
+            if P::CERTIFIED && filled.unsure[0] | filled.unsure[1] != 0 {
+                let mut pair = PairIntegers {
+                    light: &grid.light,
+                    receivers: &group.receivers,
+                    occluder,
+                    fallbacks: &mut group.counts.fallbacks,
+                };
+                relevant |=
+                    row_mask::settle_outline(&self.outlines, lane, &mut pair, filled.unsure, &mut group.masks[lane]);
+            }
             group.tell(lane, relevant);
         }
         if unknown != 0 {

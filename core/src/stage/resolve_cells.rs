@@ -66,4 +66,5 @@ pub fn resolve_cell<L: Lanes, W: MaskWord, P: PrecisionMode>(
             Rows::Bits => meeting.meet_bits::<L, W, P>(scene.grid, occluder, kept, group),
         }
     }
+    group.sum_relevant();
 }

@@ -78,6 +78,10 @@ impl Lanes for Avx2 {
         ))
     }
     #[inline(always)]
+    fn sub_ints(a: Pair, b: Pair) -> Pair {
+        intrinsics!(Pair(_mm256_sub_epi32(a.0, b.0), _mm256_sub_epi32(a.1, b.1)))
+    }
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         intrinsics!(Self(_mm256_add_ps(self.0, other.0), _mm256_add_ps(self.1, other.1)))
     }

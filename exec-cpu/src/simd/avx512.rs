@@ -61,6 +61,10 @@ impl Lanes for Avx512 {
         intrinsics!(Self(_mm512_cvtepi32_ps(_mm512_sub_epi32(a, b))))
     }
     #[inline(always)]
+    fn sub_ints(a: __m512i, b: __m512i) -> __m512i {
+        intrinsics!(_mm512_sub_epi32(a, b))
+    }
+    #[inline(always)]
     fn add(self, other: Self) -> Self {
         intrinsics!(Self(_mm512_add_ps(self.0, other.0)))
     }
