@@ -61,10 +61,12 @@ pub trait Lanes: Copy {
     fn max(self, other: Self) -> Self;
     /// `self ≥ other`.
     fn ge(self, other: Self) -> Self::Mask;
-    /// The lanes whose bit is set.
-    fn mask(bits: u32) -> Self::Mask;
     /// Both.
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Either.
+    fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// The others.
+    fn not(a: Self::Mask) -> Self::Mask;
     /// `a` where the mask is set, else `b`.
     fn select(mask: Self::Mask, a: Self, b: Self) -> Self;
     /// Bit l is lane l.
@@ -170,8 +172,12 @@ impl Lanes for f32 {
         self >= other
     }
     #[inline(always)]
-    fn mask(bits: u32) -> bool {
-        bits & 1 == 1
+    fn either(a: bool, b: bool) -> bool {
+        a | b
+    }
+    #[inline(always)]
+    fn not(a: bool) -> bool {
+        !a
     }
     #[inline(always)]
     fn both(a: bool, b: bool) -> bool {
@@ -310,8 +316,12 @@ impl Lanes for Sixteen {
         each!(k => self.0[k] >= other.0[k])
     }
     #[inline(always)]
-    fn mask(bits: u32) -> Self::Mask {
-        each!(k => bits >> k & 1 == 1)
+    fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        each!(k => a[k] | b[k])
+    }
+    #[inline(always)]
+    fn not(a: Self::Mask) -> Self::Mask {
+        each!(k => !a[k])
     }
     #[inline(always)]
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask {

@@ -326,13 +326,16 @@ impl Outlines {
             let v = &view.bound;
             let e = right.max(zero.sub(left)).max(high.max(zero.sub(low)));
             let inverse = a.inverse.max(b.inverse).max(c.inverse);
-            let per_q = inverse.mul_add(
-                L::splat(bound.lost_height * unit),
-                e.mul_add(L::splat(v.per_eq * unit), L::splat(v.per_q * unit)),
-            );
-            let rest = e.mul_add(L::splat(v.per_e * unit), L::splat(v.constant * unit));
-            let scaled = at[2].mul(inverse).mul_add(L::splat(bound.lost * unit), rest);
-            off = e.add(L::splat(v.aside)).mul_add(per_q, scaled);
+            // δ as in the notes, sorted by what it is multiplied with.
+            let lost_height = bound.lost_height * unit;
+            let of_e = (v.per_e + v.per_q) * unit;
+            let constant = (v.constant + v.aside * v.per_q) * unit;
+            off = e.mul_add(L::splat(of_e), L::splat(constant));
+            let per_inverse = at[2].mul_add(L::splat(bound.lost * unit), L::splat(v.aside * lost_height));
+            off = inverse.mul_add(e.mul_add(L::splat(lost_height), per_inverse), off);
+            if L::Long::AXIS_ERRORS > 0.0 {
+                off = e.mul(e.add(L::splat(v.aside))).mul_add(L::splat(v.per_eq * unit), off);
+            }
         }
 
         // Twice the area, positive where the receiver is on the triangle's far side.
@@ -364,82 +367,85 @@ impl Outlines {
         L::store_ints(from, &mut self.first, first);
         L::store_ints(L::sub_ints(end, from), &mut self.count, first);
 
-        let mut sides = Sides { steepest: zero, stuck: 0, start: [zero; 3], lower: [0; 3] };
-        self.side::<L, P>(0, first, &a, [ab[0], ab[1]], off, candidates, &mut sides);
-        self.side::<L, P>(1, first, &b, [c.column.sub(b.column), c.row.sub(b.row)], off, candidates, &mut sides);
-        self.side::<L, P>(2, first, &c, [zero.sub(ac[0]), zero.sub(ac[1])], off, candidates, &mut sides);
+        let bc = [c.column.sub(b.column), c.row.sub(b.row)];
+        let mut sides =
+            [Side::new::<P>(&a, ab), Side::new::<P>(&b, bc), Side::new::<P>(&c, [zero.sub(ac[0]), zero.sub(ac[1])])];
         let mut doubt = zero;
         if P::CERTIFIED {
-            doubt = sides.steepest.mul_add(off, off);
+            let shallowest = sides[0].rise.min(sides[1].rise).min(sides[2].rise);
+            if candidates & !L::bits(shallowest.ge(L::splat(FLAT))) != 0 {
+                let mut k = 0;
+                while k < 3 {
+                    unknown |= candidates & sides[k].cut_flat(off);
+                    k += 1;
+                }
+            }
+            doubt = sides[0].steep.max(sides[1].steep).max(sides[2].steep).mul_add(off, off);
             doubt.add(doubt).store(&mut self.band, first);
-            unknown |= candidates & (sides.stuck | L::bits(doubt.ge(L::splat(MOST_DOUBT))));
+            unknown |= candidates & L::bits(doubt.ge(L::splat(MOST_DOUBT)));
         }
         let (below, above) = (doubt, L::splat(1.0).sub(doubt));
         let mut k = 0;
         while k < 3 {
-            let inwards = L::select(L::mask(sides.lower[k]), below, above);
-            sides.start[k].add(inwards).store(&mut self.start[k], first);
-            self.lower[k] |= sides.lower[k] << first;
+            let side = &sides[k];
+            side.slope.store(&mut self.slope[k], first);
+            side.start.add(L::select(side.lower, below, above)).store(&mut self.start[k], first);
+            self.lower[k] |= L::bits(side.lower) << first;
             k += 1;
         }
         Seen { outlined: candidates & !unknown, unknown }
     }
-
-    /// One side, from `corner` on, by `along` columns and rows.
-    #[inline(always)]
-    #[allow(clippy::too_many_arguments)]
-    fn side<L: Lanes, P: PrecisionMode>(
-        &mut self,
-        k: usize,
-        first: usize,
-        corner: &Corner<L>,
-        along: [L; 2],
-        off: L,
-        candidates: u32,
-        sides: &mut Sides<L>,
-    ) {
-        let zero = L::splat(0.0);
-        let rise = along[1].abs();
-        let least = L::splat(if P::CERTIFIED { FLAT } else { LEAST_RISE });
-        let upwards = along[1].ge(zero);
-        let inverse = rise.max(least).recip();
-        let mut slope = along[0].mul(L::select(upwards, inverse, zero.sub(inverse)));
-        let mut start = corner.column.sub(slope.mul(corner.row));
-        let mut lower = L::bits(upwards);
-        if P::CERTIFIED {
-            let steep = slope.abs();
-            let flat = L::bits(rise.ge(least)) ^ ((1 << L::WIDTH) - 1);
-            if flat & candidates == 0 {
-                sides.steepest = sides.steepest.max(steep);
-            } else {
-                let mask = L::mask(flat);
-                sides.steepest = sides.steepest.max(L::select(mask, zero, steep));
-                let (one, other) = (corner.row, corner.row.add(along[1]));
-                let top = one.max(other).add(off);
-                sides.stuck |= flat & top.integer_below(top.sub(one.min(other).sub(off)));
-                // Clockwise: to the right of a side that goes right is what lies below it.
-                let cut = L::select(along[0].ge(zero), L::splat(FLAT_SLOPE), L::splat(-FLAT_SLOPE));
-                let middle = one.add(other).mul(L::splat(0.5));
-                slope = L::select(mask, cut, slope);
-                start = L::select(mask, zero.sub(cut.mul(middle)), start);
-                lower |= flat;
-            }
-        }
-        slope.store(&mut self.slope[k], first);
-        sides.start[k] = start;
-        sides.lower[k] = lower;
-    }
 }
 
-/// What the sides of one chunk have in common.
-struct Sides<L> {
-    /// Largest |slope|, flat sides left out.
-    steepest: L,
-    /// Lanes with a row too near to a flat side.
-    stuck: u32,
-    /// Columns at row 0, not yet moved inwards.
-    start: [L; 3],
-    lower: [u32; 3],
+/// One side of sixteen outlines.
+#[derive(Clone, Copy)]
+struct Side<L: Lanes> {
+    /// Columns a row.
+    slope: L,
+    /// Column at row 0, not yet moved inwards.
+    start: L,
+    /// Whether it bounds the columns from below.
+    lower: L::Mask,
+    /// |slope|, 0 where a cut stands for the side.
+    steep: L,
+    /// Rows from one end to the other, either way.
+    rise: L,
+    /// Row of one end, and what it is to the other.
+    row: L,
+    along: [L; 2],
+}
+
+impl<L: Lanes> Side<L> {
+    /// From `corner` on, by `along` columns and rows.
+    #[inline(always)]
+    fn new<P: PrecisionMode>(corner: &Corner<L>, along: [L; 2]) -> Self {
+        let zero = L::splat(0.0);
+        let rise = along[1].abs();
+        let lower = along[1].ge(zero);
+        let inverse = rise.max(L::splat(if P::CERTIFIED { FLAT } else { LEAST_RISE })).recip();
+        let slope = along[0].mul(L::select(lower, inverse, zero.sub(inverse)));
+        let start = corner.column.sub(slope.mul(corner.row));
+        Self { slope, start, lower, steep: slope.abs(), rise, row: corner.row, along }
+    }
+
+    /// In flat lanes, puts a line along the rows in the place of the side. Returns the lanes in which a row lies within
+    /// `off` of the side: nothing can stand for it there.
+    #[inline(always)]
+    fn cut_flat(&mut self, off: L) -> u32 {
+        let zero = L::splat(0.0);
+        let sloped = self.rise.ge(L::splat(FLAT));
+        let other = self.row.add(self.along[1]);
+        let top = self.row.max(other).add(off);
+        let stuck = top.integer_below(top.sub(self.row.min(other).sub(off)));
+        // Clockwise: to the right of a side that goes right is what lies below it.
+        let cut = L::select(self.along[0].ge(zero), L::splat(FLAT_SLOPE), L::splat(-FLAT_SLOPE));
+        let middle = self.row.add(other).mul(L::splat(0.5));
+        self.slope = L::select(sloped, self.slope, cut);
+        self.start = L::select(sloped, self.start, zero.sub(cut.mul(middle)));
+        self.steep = L::select(sloped, self.steep, zero);
+        self.lower = L::either(self.lower, L::not(sloped));
+        stuck & !L::bits(sloped)
+    }
 }
 
 /// What a triangle contributes to δ, in units of ε: B + D and B_h + D_h.

@@ -127,15 +127,14 @@ impl Lanes for Avx2 {
         ))
     }
     #[inline(always)]
-    fn mask(bits: u32) -> Pair {
+    fn either(a: Pair, b: Pair) -> Pair {
+        intrinsics!(Pair(_mm256_or_si256(a.0, b.0), _mm256_or_si256(a.1, b.1)))
+    }
+    #[inline(always)]
+    fn not(a: Pair) -> Pair {
         intrinsics!({
-            let all = _mm256_set1_epi32(bits as i32);
-            let low = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
-            let high = _mm256_slli_epi32::<8>(low);
-            Pair(
-                _mm256_cmpeq_epi32(_mm256_and_si256(all, low), low),
-                _mm256_cmpeq_epi32(_mm256_and_si256(all, high), high),
-            )
+            let all = _mm256_set1_epi32(-1);
+            Pair(_mm256_xor_si256(a.0, all), _mm256_xor_si256(a.1, all))
         })
     }
     #[inline(always)]

@@ -106,8 +106,12 @@ impl Lanes for Avx512 {
         intrinsics!(_mm512_cmp_ps_mask::<_CMP_GE_OQ>(self.0, other.0))
     }
     #[inline(always)]
-    fn mask(bits: u32) -> __mmask16 {
-        bits as __mmask16
+    fn either(a: __mmask16, b: __mmask16) -> __mmask16 {
+        a | b
+    }
+    #[inline(always)]
+    fn not(a: __mmask16) -> __mmask16 {
+        !a
     }
     #[inline(always)]
     fn both(a: __mmask16, b: __mmask16) -> __mmask16 {
