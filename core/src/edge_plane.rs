@@ -17,7 +17,8 @@
 //! A slope |B| below `least = 2^-10·bound` is replaced by it, to keep quotients finite: at most one ε·P more, over 64
 //! columns. The switch column `x(i) = −(A + C·i)/B` is computed as `α + β·i` from a reciprocal (3ε), products and sums: at
 //! most `7ε·P/|B|`. So column j is on the side that the float says if `|j − x̂(i)| > doubt`, where
-//! `doubt = bound/|B|` and `bound = 18ε·P`: 16, and two to spare for the bound's own arithmetic and second-order terms.
+//! `doubt = bound/|B|` and `bound = 20ε·P`: 16, and four to spare for the bound's own arithmetic, second-order terms, and
+//! the rounding when a line is moved by its doubt.
 
 use glam::{IVec3, Vec3};
 
@@ -31,7 +32,7 @@ use crate::{
 };
 
 /// Roundoffs in the bound on the switch column.
-const COLUMN_ERRORS: f32 = 18.0;
+const COLUMN_ERRORS: f32 = 20.0;
 /// Roundoffs in the bound on the side of a triangle's plane: eight, and one to spare.
 const SIDE_ERRORS: f32 = 9.0;
 /// The least slope that is divided by, in units of the bound.
@@ -255,7 +256,6 @@ pub struct PairPlanes<'a> {
     edges: [Vec3; 3],
     normal: Vec3,
     normal_magnitudes: Vec3,
-    permanent: f32,
     farthest: Vec3,
 }
 
@@ -277,12 +277,8 @@ impl<'a> PairPlanes<'a> {
         let edges = [float(b - a), float(c - b), float(a - c)];
         let normal = edges[2].cross(edges[0]);
         let normal_magnitudes = cross_magnitudes(edges[2], edges[0]);
-        // One bound for all edges: the longest on each axis, from the farthest receiver.
         let farthest = receivers.farthest(a.min(b).min(c), a.max(b).max(c));
-        let longest = edges[0].abs().max(edges[1].abs()).max(edges[2].abs());
-        let origin = grid.light.origin;
-        let permanent = cross_magnitudes(farthest, longest).dot(receivers.farthest(origin, origin) + grid.extent);
-        Self { grid, receivers, corners, edges, normal, normal_magnitudes, permanent, farthest }
+        Self { grid, receivers, corners, edges, normal, normal_magnitudes, farthest }
     }
 
     /// Computes the lines of the lanes in `wanted` and returns those lanes of which a sample may be blocked. Adds the
@@ -328,6 +324,11 @@ impl<'a> PairPlanes<'a> {
         let flipped = if E == 3 { 0 } else { negative };
         lines.flipped |= flipped << first;
         let g = towards::<L>(self.grid.light.origin, &p);
+        // One bound for all edges: the longest on each axis, from the farthest receiver.
+        let origin = self.grid.light.origin;
+        let longest = self.edges[0].abs().max(self.edges[1].abs()).max(self.edges[2].abs());
+        let reach = self.receivers.farthest(origin, origin) + self.grid.extent;
+        let permanent = cross_magnitudes(self.farthest, longest).dot(reach);
         let mut k = 0;
         while k < 3 {
             let d = if k == 0 { d0 } else { towards::<L>(self.corners[k], &p) };
@@ -337,7 +338,7 @@ impl<'a> PairPlanes<'a> {
                 at_origin: dot(&n, &g),
                 per_row: dot_scalar(self.grid.step_v, &n),
                 per_column: dot_scalar(self.grid.step_u, &n),
-                permanent: self.permanent,
+                permanent,
             };
             alive &= self.line::<L, P, E>(k, first, form, lines);
             if alive == 0 {

@@ -61,6 +61,8 @@ pub trait Lanes: Copy {
     fn max(self, other: Self) -> Self;
     /// `self ≥ other`.
     fn ge(self, other: Self) -> Self::Mask;
+    /// The lanes whose bit is set.
+    fn mask(bits: u32) -> Self::Mask;
     /// Both.
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Either.
@@ -79,6 +81,13 @@ pub trait Lanes: Copy {
     fn integer_below(self, by: Self) -> u32;
     /// Bit l is set where an integer lies in `self..=self + by`; `|self| ≤ 2^20`, `by ≥ 0`.
     fn integer_above(self, by: Self) -> u32;
+    /// Bit l is set where an integer lies in `below − by..=below` or in `above..=above + by`; as the two others.
+    #[inline(always)]
+    fn integer_beside(below: Self, above: Self, by: Self) -> u32 {
+        below.integer_below(by) | above.integer_above(by)
+    }
+    /// The largest lane.
+    fn largest(self) -> f32;
     /// Bit l is set where the integers of lane l differ.
     fn differ(a: Self::Ints, b: Self::Ints) -> u32;
     /// Bit l is set where `a < b` in lane l.
@@ -180,6 +189,10 @@ impl Lanes for f32 {
         !a
     }
     #[inline(always)]
+    fn mask(bits: u32) -> bool {
+        bits & 1 == 1
+    }
+    #[inline(always)]
     fn both(a: bool, b: bool) -> bool {
         a & b
     }
@@ -208,6 +221,10 @@ impl Lanes for f32 {
     #[inline(always)]
     fn integer_above(self, by: Self) -> u32 {
         (Lanes::ceil(self) as f32 - self <= by) as u32
+    }
+    #[inline(always)]
+    fn largest(self) -> f32 {
+        self
     }
     #[inline(always)]
     fn differ(a: i32, b: i32) -> u32 {
@@ -324,6 +341,10 @@ impl Lanes for Sixteen {
         each!(k => !a[k])
     }
     #[inline(always)]
+    fn mask(bits: u32) -> Self::Mask {
+        each!(k => bits >> k & 1 == 1)
+    }
+    #[inline(always)]
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask {
         each!(k => a[k] & b[k])
     }
@@ -356,6 +377,15 @@ impl Lanes for Sixteen {
     #[inline(always)]
     fn integer_above(self, by: Self) -> u32 {
         Self::bits(each!(k => Lanes::integer_above(self.0[k], by.0[k]) == 1))
+    }
+    #[inline(always)]
+    fn largest(self) -> f32 {
+        let (mut largest, mut k) = (self.0[0], 1);
+        while k < TILE {
+            largest = Lanes::max(largest, self.0[k]);
+            k += 1;
+        }
+        largest
     }
     #[inline(always)]
     fn differ(a: Self::Ints, b: Self::Ints) -> u32 {

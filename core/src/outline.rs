@@ -27,7 +27,10 @@
 //! `δ·(1 + |β|)` columns, β the side's slope in columns a row. And a sample whose box of radius δ lies in T' lies in T: else a
 //! line through the sample would have all corners of T strictly on one side, those of T' less than δ beyond it, and
 //! the box reaches farther. That box lies in T' where the sample is inside each side moved inwards by the same. So
-//! `doubt = (1 + max |β|)·δ` serves all three, once the evaluation of a line is counted: at most `10·ε·(e + 64)·(1 + |β|)`.
+//! `doubt = (1 + max |β|)·δ` serves all three, once the evaluation of a line is counted. Only rows between the corners of
+//! T' are looked at, so |i| ≤ e + 1, and i lies at most 2e + 1 from the corner where the line starts. The slope has 6: two
+//! differences, the reciprocal, a product; its product with i 1; the column at row 0 2, and 1 when it is moved; the sum 1.
+//! In all less than `ε·(16e + 8)·(1 + |β|)`, which δ takes over.
 //!
 //! *Orientation.* Moving corners by δ changes twice the area by at most `4δ·(w + h) + 16δ²`, w and h the extents of T', and
 //! rounding by less than `δ·(w + h)`. So the sign of T' is that of T where twice its area is at least `6δ·(w + h)` (which
@@ -40,9 +43,9 @@ use glam::{IVec3, Vec3};
 
 use crate::{
     doubt::Margins,
-    edge_plane::{LightGrid, Occluder, ReceiverTile, float},
+    edge_plane::{LightGrid, Lines, Occluder, ReceiverTile, float},
     lanes::{Lanes, TILE},
-    light::MAX_SAMPLES,
+    light::{LatticeLight, MAX_SAMPLES},
     precision::PrecisionMode,
     real::{Axis, Real},
 };
@@ -55,8 +58,10 @@ const LEAST_HEIGHT: f32 = 1.0 / 1024.0;
 const FLAT: f32 = 1.0 / 32.0;
 /// The same where nothing is certified.
 const LEAST_RISE: f32 = 1.0e-6;
-/// The slope that stands for a flat side, in columns a row: over the least δ (640ε) it crosses the whole grid.
+/// The slope that stands for a flat side, in columns a row: over `FLAT_MARGIN` it crosses the whole grid.
 const FLAT_SLOPE: f32 = (1 << 22) as f32;
+/// How far from a flat side rows must lie beyond δ, in rows. (Rounding moves the cut by less than δ.)
+const FLAT_MARGIN: f32 = 1.0 / (1 << 14) as f32;
 /// Doubts of as many columns or more are not looked at here: half a column would hold no certain one.
 const MOST_DOUBT: f32 = 0.25;
 
@@ -99,7 +104,7 @@ struct ViewBound {
 impl<R: Real> View<R> {
     /// The receivers of `active` lanes (not none) as the light sees them.
     #[inline(always)]
-    pub fn new<P: PrecisionMode>(grid: &LightGrid, receivers: &ReceiverTile, active: u32) -> Self {
+    pub fn new<L: Lanes, P: PrecisionMode>(grid: &LightGrid, receivers: &ReceiverTile, active: u32) -> Self {
         let [u, v, down] = R::axes(grid);
         let base = receivers.point(active.trailing_zeros() as usize);
         let middle = base - grid.light.origin;
@@ -119,7 +124,8 @@ impl<R: Real> View<R> {
         };
         let mut lane = 0;
         while lane < TILE {
-            let p = receivers.point(lane);
+            // Lanes without a receiver repeat one that is there, and so widen no bound.
+            let p = if active >> lane & 1 == 1 { receivers.point(lane) } else { base };
             view.at[0][lane] = R::dot(&view.axes[0], p - grid.light.origin).to_f32();
             view.at[1][lane] = R::dot(&view.axes[1], p - grid.light.origin).to_f32();
             view.at[2][lane] = R::dot(&view.axes[2], grid.light.origin - p).to_f32();
@@ -134,43 +140,39 @@ impl<R: Real> View<R> {
             let normal = frame.normal.abs();
             let reach_u = frame.along_u.abs() + normal * Lanes::abs(shear_u.to_f32());
             let reach_v = frame.along_v.abs() + normal * Lanes::abs(shear_v.to_f32());
-            view.certify(grid, receivers, reach_u.max(reach_v), normal);
+            view.certify::<L>(grid, receivers, reach_u.max(reach_v), normal);
         }
         view
     }
 
     #[inline(always)]
-    fn certify(&mut self, grid: &LightGrid, receivers: &ReceiverTile, reach: Vec3, height: Vec3) {
+    fn certify<L: Lanes>(&mut self, grid: &LightGrid, receivers: &ReceiverTile, reach: Vec3, height: Vec3) {
         let farthest = receivers.farthest(grid.light.origin, grid.light.origin);
         let steps = float(grid.light.step_u).abs() + float(grid.light.step_v).abs();
         let heights = R::DOT_ERRORS * height.dot(farthest);
-        let (mut lowest, mut aside) = (f32::MAX, 0.0);
-        let (mut beside, mut beside_height) = (0.0, 0.0);
-        let mut lane = 0;
-        while lane < TILE {
-            if self.usable >> lane & 1 == 1 {
-                let h = self.at[2][lane];
-                if h < heights * LEAST_HEIGHT || h < 1.0 {
-                    self.usable &= !(1 << lane);
-                } else {
-                    lowest = Lanes::min(lowest, h);
-                    aside = Lanes::max(aside, Lanes::max(Lanes::abs(self.at[0][lane]), Lanes::abs(self.at[1][lane])));
-                    beside = Lanes::max(beside, Lanes::abs(self.beside[0][lane]));
-                    beside = Lanes::max(beside, Lanes::abs(self.beside[1][lane]));
-                    beside_height = Lanes::max(beside_height, Lanes::abs(self.beside[2][lane]));
-                }
-            }
-            lane += 1;
+        let least = Lanes::max(heights * LEAST_HEIGHT, 1.0);
+        let zero = L::splat(0.0);
+        let (mut negative_lowest, mut aside, mut beside, mut beside_height) = (L::splat(f32::MIN), zero, zero, zero);
+        let mut first = 0;
+        while first < TILE {
+            let high = L::load(&self.at[2], first);
+            let all = (1 << L::WIDTH) - 1;
+            self.usable &= !((L::bits(high.ge(L::splat(least))) ^ all) << first);
+            negative_lowest = negative_lowest.max(zero.sub(high.max(L::splat(least))));
+            aside = aside.max(L::load(&self.at[0], first).abs()).max(L::load(&self.at[1], first).abs());
+            beside = beside.max(L::load(&self.beside[0], first).abs()).max(L::load(&self.beside[1], first).abs());
+            beside_height = beside_height.max(L::load(&self.beside[2], first).abs());
+            first += L::WIDTH;
         }
-        let samples = MAX_SAMPLES as f32;
+        let (lowest, aside) = (-negative_lowest.largest(), aside.largest());
         let axis = R::AXIS_ERRORS * reach.dot(steps);
         self.bound = ViewBound {
             reach: reach * R::DOT_ERRORS,
             height: height * R::DOT_ERRORS,
-            beside: 2.0 * beside,
-            beside_height: 2.0 * beside_height,
-            constant: aside + R::DOT_ERRORS * reach.dot(farthest) + 10.0 * samples + grid.skew / f32::EPSILON * 2.0,
-            per_e: 12.0 + axis,
+            beside: 2.0 * beside.largest(),
+            beside_height: 2.0 * beside_height.largest(),
+            constant: aside + R::DOT_ERRORS * reach.dot(farthest) + 8.0 + grid.skew / f32::EPSILON * 2.0,
+            per_e: 18.0 + axis,
             per_q: heights / lowest + 9.0,
             per_eq: R::AXIS_ERRORS * height.dot(steps) / lowest,
             aside,
@@ -291,6 +293,67 @@ impl Outlines {
             first += L::WIDTH;
         }
         seen
+    }
+
+    /// Takes over the lines that planes made, for the lanes in `alive` of which one band serves all three, on all rows of
+    /// the light. Returns those lanes.
+    #[inline(always)]
+    pub fn take_over<L: Lanes, P: PrecisionMode>(&mut self, lines: &Lines<3>, light: &LatticeLight, alive: u32) -> u32 {
+        self.lower = lines.lower;
+        let mut taken = 0;
+        let mut first = 0;
+        while first < TILE {
+            let wanted = alive >> first & ((1 << L::WIDTH) - 1);
+            if wanted != 0 {
+                taken |= self.take_chunk::<L, P>(lines, light, first, wanted) << first;
+            }
+            first += L::WIDTH;
+        }
+        taken
+    }
+
+    #[inline(always)]
+    fn take_chunk<L: Lanes, P: PrecisionMode>(
+        &mut self,
+        lines: &Lines<3>,
+        light: &LatticeLight,
+        first: usize,
+        wanted: u32,
+    ) -> u32 {
+        let (mut taken, mut doubt) = (wanted, L::splat(0.0));
+        let mut start = [L::splat(0.0); 3];
+        let mut k = 0;
+        while k < 3 {
+            let mut slope = L::load(&lines.slope[k], first);
+            start[k] = L::load(&lines.start[k], first);
+            if P::CERTIFIED {
+                let mut own = L::load(&lines.doubt[k], first);
+                let steep = own.ge(L::splat(MOST_DOUBT));
+                if L::bits(steep) & wanted != 0 {
+                    let crossing = Crossing::of(slope, start[k], own, light.columns);
+                    taken &= !(crossing.stuck & L::bits(steep));
+                    slope = L::select(steep, crossing.slope, slope);
+                    start[k] = L::select(steep, crossing.start, start[k]);
+                    own = L::select(steep, L::splat(0.0), own);
+                }
+                doubt = doubt.max(own);
+            }
+            slope.store(&mut self.slope[k], first);
+            k += 1;
+        }
+        let (below, above) = (doubt, L::splat(1.0).sub(doubt));
+        let mut k = 0;
+        while k < 3 {
+            let lower = L::mask(lines.lower[k] >> first);
+            start[k].add(L::select(lower, below, above)).store(&mut self.start[k], first);
+            k += 1;
+        }
+        if P::CERTIFIED {
+            doubt.add(doubt).store(&mut self.band, first);
+        }
+        L::store_ints(L::splat_int(0), &mut self.first, first);
+        L::store_ints(L::splat_int(light.rows as i32), &mut self.count, first);
+        taken
     }
 
     #[inline(always)]
@@ -432,7 +495,7 @@ impl<L: Lanes> Side<L> {
     /// `off` of the side: nothing can stand for it there.
     #[inline(always)]
     fn cut_flat(&mut self, off: L) -> u32 {
-        let zero = L::splat(0.0);
+        let (zero, off) = (L::splat(0.0), off.add(L::splat(FLAT_MARGIN)));
         let sloped = self.rise.ge(L::splat(FLAT));
         let other = self.row.add(self.along[1]);
         let top = self.row.max(other).add(off);
@@ -445,6 +508,35 @@ impl<L: Lanes> Side<L> {
         self.steep = L::select(sloped, self.steep, zero);
         self.lower = L::either(self.lower, L::not(sloped));
         stuck & !L::bits(sloped)
+    }
+}
+
+/// A line so steep that it crosses the whole grid between two rows, as a cut along them.
+struct Crossing<L> {
+    slope: L,
+    start: L,
+    /// Lanes in which it crosses a row on its way: nothing can stand for it there.
+    stuck: u32,
+}
+
+impl<L: Lanes> Crossing<L> {
+    /// Of the line `slope·i + start`, known to within `doubt` columns.
+    #[inline(always)]
+    fn of(slope: L, start: L, doubt: L, columns: u32) -> Self {
+        let zero = L::splat(0.0);
+        let upwards = slope.ge(zero);
+        let inverse = slope.abs().max(L::splat(1.0e-6)).recip();
+        let inverse = L::select(upwards, inverse, zero.sub(inverse));
+        // Rows at which the column is one off the grid, and the doubt more. Beyond the light's rows it does not matter
+        // where: the clamps lie between rows.
+        let one = L::splat(-1.0).sub(doubt).sub(start).mul(inverse);
+        let other = L::splat(columns as f32).add(doubt).sub(start).mul(inverse);
+        let (lowest, highest) = (L::splat(-8.5), L::splat(MAX_SAMPLES as f32 + 8.5));
+        let bottom = one.min(other).sub(L::splat(FLAT_MARGIN)).max(lowest).min(highest);
+        let top = one.max(other).add(L::splat(FLAT_MARGIN)).max(lowest).min(highest);
+        let cut = L::select(upwards, L::splat(FLAT_SLOPE), L::splat(-FLAT_SLOPE));
+        let middle = bottom.add(top).mul(L::splat(0.5));
+        Self { slope: cut, start: zero.sub(cut.mul(middle)), stuck: top.integer_below(top.sub(bottom)) }
     }
 }
 

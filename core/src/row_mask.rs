@@ -203,7 +203,7 @@ pub fn fill_outline<L: Lanes, W: MaskWord, P: PrecisionMode>(
         let present = (1 << here) - 1;
         filled.relevant |= L::less(starts, stops) & present != 0;
         if P::CERTIFIED {
-            let near = (from.integer_below(band) | to.integer_above(band)) & present;
+            let near = L::integer_beside(from, to, band) & present;
             if done < 32 {
                 filled.unsure[0] |= near << done;
             } else {

@@ -121,7 +121,7 @@ pub fn resolve<L: Lanes, W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, g
 fn descend<L: Lanes, W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
     let need = group_need(group.active, &group.needs);
     let mut walk = Walk::new::<L>(scene.levels, scene.nodes, &need);
-    let mut meeting = Meeting::<L::Long>::new::<W, P>(scene.grid, group);
+    let mut meeting = Meeting::<L::Long>::new::<L, W, P>(scene.grid, group);
     while let Some((tile, mut bits)) = walk.next::<L>(scene.nodes, &need) {
         let Some(keys) = scene.nodes.get(tile as usize) else { return };
         while bits != 0 {
@@ -181,8 +181,8 @@ pub struct Meeting<R> {
 impl<R: Real> Meeting<R> {
     /// Of the receivers that are active now.
     #[inline(always)]
-    pub fn new<W: MaskWord, P: PrecisionMode>(grid: &LightGrid, group: &Group<W>) -> Self {
-        let view = View::new::<P>(grid, &group.receivers, group.active);
+    pub fn new<L: Lanes, W: MaskWord, P: PrecisionMode>(grid: &LightGrid, group: &Group<W>) -> Self {
+        let view = View::new::<L, P>(grid, &group.receivers, group.active);
         Self { view, outlines: Outlines::EMPTY, lines: Lines::EMPTY }
     }
 
@@ -197,9 +197,32 @@ impl<R: Real> Meeting<R> {
     ) {
         if occluder.is_mixed() {
             let mut lines = Lines::<4>::EMPTY;
-            return by_planes::<L, W, P, 4, false>(grid, occluder, kept, &mut lines, group);
+            let planes = PairPlanes::new(grid, &group.receivers, occluder);
+            let alive = planes.lines::<L, P, 4>(kept, &mut lines, &mut group.counts.fallbacks);
+            return fill_by_planes::<L, W, P, 4, false>(grid, occluder, alive, &lines, group);
         }
-        let Seen { mut outlined, unknown } = self.outlines.outline::<L, P>(&self.view, occluder, kept);
+        let Seen { outlined, unknown } = self.outlines.outline::<L, P>(&self.view, occluder, kept);
+        self.fill_outlines::<L, W, P>(grid, occluder, outlined, group);
+        if unknown == 0 {
+            return;
+        }
+        let planes = PairPlanes::new(grid, &group.receivers, occluder);
+        let alive = planes.lines::<L, P, 3>(unknown, &mut self.lines, &mut group.counts.fallbacks);
+        if alive != 0 {
+            let taken = self.outlines.take_over::<L, P>(&self.lines, &grid.light, alive);
+            self.fill_outlines::<L, W, P>(grid, occluder, taken, group);
+            fill_by_planes::<L, W, P, 3, false>(grid, occluder, alive & !taken, &self.lines, group);
+        }
+    }
+
+    #[inline(always)]
+    fn fill_outlines<L: Lanes<Long = R>, W: MaskWord, P: PrecisionMode>(
+        &mut self,
+        grid: &LightGrid,
+        occluder: &Occluder,
+        mut outlined: u32,
+        group: &mut Group<W>,
+    ) {
         let ends = Ends::new(grid.light.columns);
         while outlined != 0 {
             let lane = outlined.trailing_zeros() as usize % TILE;
@@ -218,9 +241,6 @@ impl<R: Real> Meeting<R> {
             }
             group.tell(lane, relevant);
         }
-        if unknown != 0 {
-            by_planes::<L, W, P, 3, false>(grid, occluder, unknown, &mut self.lines, group);
-        }
     }
 
     /// As [`Meeting::meet`], one light sample at a time. For measurements: the bits are the same.
@@ -232,27 +252,28 @@ impl<R: Real> Meeting<R> {
         kept: u32,
         group: &mut Group<W>,
     ) {
+        let planes = PairPlanes::new(grid, &group.receivers, occluder);
         if occluder.is_mixed() {
             let mut lines = Lines::<4>::EMPTY;
-            by_planes::<L, W, P, 4, true>(grid, occluder, kept, &mut lines, group);
+            let alive = planes.lines::<L, P, 4>(kept, &mut lines, &mut group.counts.fallbacks);
+            fill_by_planes::<L, W, P, 4, true>(grid, occluder, alive, &lines, group);
         } else {
-            by_planes::<L, W, P, 3, true>(grid, occluder, kept, &mut self.lines, group);
+            let alive = planes.lines::<L, P, 3>(kept, &mut self.lines, &mut group.counts.fallbacks);
+            fill_by_planes::<L, W, P, 3, true>(grid, occluder, alive, &self.lines, group);
         }
     }
 }
 
-/// One triangle against the receivers in `kept`, by its edges' planes, and its own where it meets the light. (Inlined: a
-/// function of its own would be compiled without the instruction set that the executor chose.)
+/// The receivers in `alive`, by the lines of a triangle's planes. (Inlined: a function of its own would be compiled
+/// without the instruction set that the executor chose.)
 #[inline(always)]
-fn by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize, const BITS: bool>(
+fn fill_by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize, const BITS: bool>(
     grid: &LightGrid,
     occluder: &Occluder,
-    kept: u32,
-    lines: &mut Lines<E>,
+    mut alive: u32,
+    lines: &Lines<E>,
     group: &mut Group<W>,
 ) {
-    let planes = PairPlanes::new(grid, &group.receivers, occluder);
-    let mut alive = planes.lines::<L, P, E>(kept, lines, &mut group.counts.fallbacks);
     while alive != 0 {
         let lane = alive.trailing_zeros() as usize % TILE;
         alive &= alive - 1;

@@ -46,7 +46,7 @@ pub fn resolve_cell<L: Lanes, W: MaskWord, P: PrecisionMode>(
     if group.active == 0 {
         return;
     }
-    let mut meeting = Meeting::<L::Long>::new::<W, P>(scene.grid, group);
+    let mut meeting = Meeting::<L::Long>::new::<L, W, P>(scene.grid, group);
     let mut at = 0;
     while at < list.len() && group.active != 0 {
         let found = scene.triangles.get(list[at] as usize);

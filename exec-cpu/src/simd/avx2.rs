@@ -138,6 +138,18 @@ impl Lanes for Avx2 {
         })
     }
     #[inline(always)]
+    fn mask(bits: u32) -> Pair {
+        intrinsics!({
+            let all = _mm256_set1_epi32(bits as i32);
+            let low = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+            let high = _mm256_slli_epi32::<8>(low);
+            Pair(
+                _mm256_cmpeq_epi32(_mm256_and_si256(all, low), low),
+                _mm256_cmpeq_epi32(_mm256_and_si256(all, high), high),
+            )
+        })
+    }
+    #[inline(always)]
     fn both(a: Pair, b: Pair) -> Pair {
         intrinsics!(Pair(_mm256_and_si256(a.0, b.0), _mm256_and_si256(a.1, b.1)))
     }
@@ -173,6 +185,15 @@ impl Lanes for Avx2 {
     fn integer_above(self, by: Self) -> u32 {
         let ceil = intrinsics!(Self(_mm256_ceil_ps(self.0), _mm256_ceil_ps(self.1)));
         Self::bits(by.ge(ceil.sub(self)))
+    }
+    #[inline(always)]
+    fn largest(self) -> f32 {
+        intrinsics!({
+            let eight = _mm256_max_ps(self.0, self.1);
+            let four = _mm_max_ps(_mm256_castps256_ps128(eight), _mm256_extractf128_ps::<1>(eight));
+            let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
+            _mm_cvtss_f32(_mm_max_ss(two, _mm_movehdup_ps(two)))
+        })
     }
     #[inline(always)]
     fn differ(a: Pair, b: Pair) -> u32 {

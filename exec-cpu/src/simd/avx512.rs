@@ -114,6 +114,10 @@ impl Lanes for Avx512 {
         !a
     }
     #[inline(always)]
+    fn mask(bits: u32) -> __mmask16 {
+        bits as __mmask16
+    }
+    #[inline(always)]
     fn both(a: __mmask16, b: __mmask16) -> __mmask16 {
         a & b
     }
@@ -146,6 +150,20 @@ impl Lanes for Avx512 {
             let rest = _mm512_reduce_ps::<{ _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC }>(self.0);
             u32::from(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(_mm512_sub_ps(_mm512_setzero_ps(), by.0), rest))
         })
+    }
+    #[inline(always)]
+    fn integer_beside(below: Self, above: Self, by: Self) -> u32 {
+        intrinsics!({
+            let rest = _mm512_reduce_ps::<{ _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC }>(below.0);
+            let missing = _mm512_reduce_ps::<{ _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC }>(above.0);
+            // The smaller magnitude, without its sign.
+            let nearer = _mm512_range_ps::<0b1010>(rest, missing);
+            u32::from(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(nearer, by.0))
+        })
+    }
+    #[inline(always)]
+    fn largest(self) -> f32 {
+        intrinsics!(_mm512_reduce_max_ps(self.0))
     }
     #[inline(always)]
     fn differ(a: __m512i, b: __m512i) -> u32 {
