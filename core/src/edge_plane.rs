@@ -24,17 +24,16 @@ use glam::{IVec3, Vec3};
 
 use crate::{
     doubt::Margins,
-    exact::{self, Wide, WideInt},
+    exact::{self, Wide},
     frame::{self, LightFrame},
     lanes::{Lanes, TILE},
     light::LatticeLight,
     precision::PrecisionMode,
+    side::Sides,
 };
 
 /// Roundoffs in the bound on the switch column.
 const COLUMN_ERRORS: f32 = 20.0;
-/// Roundoffs in the bound on the side of a triangle's plane: eight, and one to spare.
-const SIDE_ERRORS: f32 = 9.0;
 /// The least slope that is divided by, in units of the bound.
 const LEAST_SLOPE: f32 = 1.0 / 1024.0;
 
@@ -87,7 +86,7 @@ pub(crate) fn float(v: IVec3) -> Vec3 {
 
 /// The sums of magnitudes of the terms of `a × b`.
 #[inline(always)]
-fn cross_magnitudes(a: Vec3, b: Vec3) -> Vec3 {
+pub(crate) fn cross_magnitudes(a: Vec3, b: Vec3) -> Vec3 {
     let (a, b) = (a.abs(), b.abs());
     Vec3::new(a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x)
 }
@@ -254,8 +253,6 @@ pub struct PairPlanes<'a> {
     receivers: &'a ReceiverTile,
     corners: [IVec3; 3],
     edges: [Vec3; 3],
-    normal: Vec3,
-    normal_magnitudes: Vec3,
     farthest: Vec3,
 }
 
@@ -275,29 +272,23 @@ impl<'a> PairPlanes<'a> {
         let corners = occluder.corners();
         let [a, b, c] = corners;
         let edges = [float(b - a), float(c - b), float(a - c)];
-        let normal = edges[2].cross(edges[0]);
-        let normal_magnitudes = cross_magnitudes(edges[2], edges[0]);
         let farthest = receivers.farthest(a.min(b).min(c), a.max(b).max(c));
-        Self { grid, receivers, corners, edges, normal, normal_magnitudes, farthest }
+        Self { grid, receivers, corners, edges, farthest }
     }
 
-    /// Computes the lines of the lanes in `wanted` and returns those lanes of which a sample may be blocked. Adds the
-    /// signs decided in integers to `fallbacks`. `E` is 3, or 4 for a triangle whose plane meets the light's grid.
+    /// Computes the lines of the lanes on the positive side of the triangle's plane, or of a mixed triangle those on either,
+    /// and returns the lanes of which a sample may be blocked. `E` is 3, or 4 for a triangle whose plane meets the light's grid.
     #[inline(always)]
-    pub fn lines<L: Lanes, P: PrecisionMode, const E: usize>(
-        &self,
-        wanted: u32,
-        lines: &mut Lines<E>,
-        fallbacks: &mut u64,
-    ) -> u32 {
+    pub fn lines<L: Lanes, P: PrecisionMode, const E: usize>(&self, sides: Sides, lines: &mut Lines<E>) -> u32 {
+        let wanted = if E == 3 { sides.positive } else { sides.positive | sides.negative };
         let mut alive = 0;
         let mut first = 0;
         lines.lower = [0; E];
-        lines.flipped = 0;
+        lines.flipped = if E == 3 { 0 } else { sides.negative };
         while first < TILE {
             let lanes = wanted >> first & low_bits(L::WIDTH);
             if lanes != 0 {
-                alive |= self.chunk::<L, P, E>(first, lanes, lines, fallbacks) << first;
+                alive |= self.chunk::<L, P, E>(first, lanes, lines) << first;
             }
             first += L::WIDTH;
         }
@@ -310,19 +301,10 @@ impl<'a> PairPlanes<'a> {
         first: usize,
         wanted: u32,
         lines: &mut Lines<E>,
-        fallbacks: &mut u64,
     ) -> u32 {
         let p = self.receivers.load::<L>(first);
         let d0 = towards::<L>(self.corners[0], &p);
-        let side = dot_scalar(self.normal, &d0);
-        let doubt = L::splat(self.normal_magnitudes.dot(self.farthest) * (SIDE_ERRORS * L::ROUNDOFF));
-        let (positive, negative) = self.sides::<L, P>(first, wanted, side, doubt, fallbacks);
-        let mut alive = if E == 3 { positive } else { positive | negative };
-        if alive == 0 {
-            return 0;
-        }
-        let flipped = if E == 3 { 0 } else { negative };
-        lines.flipped |= flipped << first;
+        let mut alive = wanted;
         let g = towards::<L>(self.grid.light.origin, &p);
         // One bound for all edges: the longest on each axis, from the farthest receiver.
         let origin = self.grid.light.origin;
@@ -352,49 +334,17 @@ impl<'a> PairPlanes<'a> {
         alive
     }
 
-    /// Which of the `wanted` lanes block from the positive, and which from the negative side of the triangle's plane.
-    #[inline(always)]
-    fn sides<L: Lanes, P: PrecisionMode>(
-        &self,
-        first: usize,
-        wanted: u32,
-        side: L,
-        doubt: L,
-        fallbacks: &mut u64,
-    ) -> (u32, u32) {
-        if !P::CERTIFIED {
-            let positive = L::bits(side.ge(L::splat(f32::MIN_POSITIVE)));
-            return (wanted & positive, wanted & !positive);
-        }
-        let not_positive = L::bits(doubt.ge(side));
-        let not_negative = L::bits(side.ge(L::splat(0.0).sub(doubt)));
-        let (mut positive, mut negative) = (wanted & !not_positive, wanted & !not_negative);
-        let mut unsure = wanted & not_positive & not_negative;
-        if unsure == 0 {
-            return (positive, negative);
-        }
-        let [a, b, c] = self.corners;
-        let normal = exact::cross::<Wide>(b - a, c - a);
-        while unsure != 0 {
-            let lane = unsure.trailing_zeros() as usize;
-            unsure &= unsure - 1;
-            *fallbacks += 1;
-            let sign = exact::dot(normal, a - self.receivers.point(first + lane)).sign();
-            positive |= ((sign > 0) as u32) << lane;
-            negative |= ((sign < 0) as u32) << lane;
-        }
-        (positive, negative)
-    }
-
     /// The plane of the triangle itself, which is the same for all receivers.
     #[inline(always)]
     fn own_form<L: Lanes>(&self) -> Form<L> {
+        let normal = self.edges[2].cross(self.edges[0]);
+        let normal_magnitudes = cross_magnitudes(self.edges[2], self.edges[0]);
         let g = float(self.grid.light.origin - self.corners[0]);
         Form {
-            at_origin: L::splat(self.normal.dot(g)),
-            per_row: L::splat(self.normal.dot(self.grid.step_v)),
-            per_column: L::splat(self.normal.dot(self.grid.step_u)),
-            permanent: self.normal_magnitudes.dot(g.abs() + self.grid.extent),
+            at_origin: L::splat(normal.dot(g)),
+            per_row: L::splat(normal.dot(self.grid.step_v)),
+            per_column: L::splat(normal.dot(self.grid.step_u)),
+            permanent: normal_magnitudes.dot(g.abs() + self.grid.extent),
         }
     }
 

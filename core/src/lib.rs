@@ -28,6 +28,7 @@ pub mod proj4;
 pub mod real;
 pub mod row_mask;
 pub mod serial;
+pub mod side;
 pub mod stage;
 pub mod statistics;
 pub mod surface;

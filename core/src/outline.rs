@@ -60,6 +60,8 @@ const FLAT: f32 = 1.0 / 32.0;
 const LEAST_RISE: f32 = 1.0e-6;
 /// The slope that stands for a flat side, in columns a row: over `FLAT_MARGIN` it crosses the whole grid.
 const FLAT_SLOPE: f32 = (1 << 22) as f32;
+/// The same for lines that planes made: their doubts differ much from plane to plane, and the largest counts for all.
+const MOST_PLANE_DOUBT: f32 = 1.0 / 64.0;
 /// How far from a flat side rows must lie beyond δ, in rows. (Rounding moves the cut by less than δ.)
 const FLAT_MARGIN: f32 = 1.0 / (1 << 14) as f32;
 /// Doubts of as many columns or more are not looked at here: half a column would hold no certain one.
@@ -71,7 +73,10 @@ pub struct View<R> {
     /// Sheared axes: columns, rows, and minus the height.
     axes: [Axis<R>; 3],
     /// The receiver that all points are placed from.
-    base: IVec3,
+    pub(crate) base: IVec3,
+    /// Receivers from the base, lattice units, and their limits.
+    pub(crate) offset: [[f32; TILE]; 3],
+    pub(crate) offset_limit: Vec3,
     /// Receivers' columns, rows and heights.
     at: [[f32; TILE]; 3],
     /// Receivers along the axes, from the base.
@@ -115,6 +120,8 @@ impl<R: Real> View<R> {
         let mut view = Self {
             axes: [sheared(&u, shear_u, &down), sheared(&v, shear_v, &down), down],
             base,
+            offset: [[0.0; TILE]; 3],
+            offset_limit: receivers.farthest(base, base),
             at: [[0.0; TILE]; 3],
             beside: [[0.0; TILE]; 3],
             usable: active,
@@ -129,9 +136,11 @@ impl<R: Real> View<R> {
             view.at[0][lane] = R::dot(&view.axes[0], p - grid.light.origin).to_f32();
             view.at[1][lane] = R::dot(&view.axes[1], p - grid.light.origin).to_f32();
             view.at[2][lane] = R::dot(&view.axes[2], grid.light.origin - p).to_f32();
+            let offset = float(p - base);
             let mut k = 0;
             while k < 3 {
                 view.beside[k][lane] = R::dot(&view.axes[k], p - base).to_f32();
+                view.offset[k][lane] = offset[k];
                 k += 1;
             }
             lane += 1;
@@ -206,12 +215,12 @@ fn sheared<R: Real>(axis: &Axis<R>, shear: R, down: &Axis<R>) -> Axis<R> {
 
 /// The sides of one triangle for sixteen receivers, as lines over the rows: column `slope·i + start` at row i.
 #[derive(Clone, Copy, Debug)]
-pub struct Outlines {
+pub struct Outlines<const E: usize> {
     /// Columns a row, of each side.
-    pub(crate) slope: [[f32; TILE]; 3],
+    pub(crate) slope: [[f32; TILE]; E],
     /// Of a side with its bit in `lower`, the least column that is surely inside, at row 0; of another, one more than the
     /// largest.
-    pub(crate) start: [[f32; TILE]; 3],
+    pub(crate) start: [[f32; TILE]; E],
     /// Width of the band before `start` in which a column may be inside. Written only where signs are certified.
     pub(crate) band: [f32; TILE],
     /// First row that may change.
@@ -219,11 +228,13 @@ pub struct Outlines {
     /// Number of rows that may.
     pub(crate) count: [i32; TILE],
     /// Bit l: for lane l the side bounds the columns from below.
-    pub(crate) lower: [u32; 3],
+    pub(crate) lower: [u32; E],
+    /// Bit l: lane l's side of the triangle's plane is the negative one.
+    pub(crate) flipped: u32,
 }
 
-impl Margins for Outlines {
-    const PLANES: usize = 3;
+impl<const E: usize> Margins for Outlines<E> {
+    const PLANES: usize = E;
 
     /// Twice the doubt counts as unsure: `start` was rounded when it was moved inwards.
     #[inline(always)]
@@ -234,8 +245,8 @@ impl Margins for Outlines {
     }
 
     #[inline(always)]
-    fn flipped(&self, _: usize) -> bool {
-        false
+    fn flipped(&self, lane: usize) -> bool {
+        self.flipped >> lane & 1 == 1
     }
 }
 
@@ -259,47 +270,24 @@ struct Corner<L> {
     inverse: L,
 }
 
-impl Outlines {
-    /// Lines of nothing, to be written by [`Outlines::outline`].
+impl<const E: usize> Outlines<E> {
+    /// Lines of nothing, to be written by [`Outlines::outline`] or [`Outlines::take_over`].
     pub const EMPTY: Self = Self {
-        slope: [[0.0; TILE]; 3],
-        start: [[0.0; TILE]; 3],
+        slope: [[0.0; TILE]; E],
+        start: [[0.0; TILE]; E],
         band: [0.0; TILE],
         first: [0; TILE],
         count: [0; TILE],
-        lower: [0; 3],
+        lower: [0; E],
+        flipped: 0,
     };
 
-    /// Writes the outlines of a triangle that faces the light (not a mixed one) for the lanes in `wanted`.
-    #[inline(always)]
-    pub fn outline<L: Lanes, P: PrecisionMode>(
-        &mut self,
-        view: &View<L::Long>,
-        occluder: &Occluder,
-        wanted: u32,
-    ) -> Seen {
-        let (corners, lost, lost_height) = view.corners::<L, P>(occluder);
-        let bound = TriangleBound { lost, lost_height };
-        self.lower = [0; 3];
-        let mut seen = Seen { outlined: 0, unknown: 0 };
-        let mut first = 0;
-        while first < TILE {
-            let lanes = wanted >> first & ((1 << L::WIDTH) - 1);
-            if lanes != 0 {
-                let chunk = self.chunk::<L, P>(view, &corners, &bound, first, lanes);
-                seen.outlined |= chunk.outlined << first;
-                seen.unknown |= chunk.unknown << first;
-            }
-            first += L::WIDTH;
-        }
-        seen
-    }
-
-    /// Takes over the lines that planes made, for the lanes in `alive` of which one band serves all three, on all rows of
+    /// Takes over the lines that planes made, for the lanes in `alive` of which one band serves all, on all rows of
     /// the light. Returns those lanes.
     #[inline(always)]
-    pub fn take_over<L: Lanes, P: PrecisionMode>(&mut self, lines: &Lines<3>, light: &LatticeLight, alive: u32) -> u32 {
+    pub fn take_over<L: Lanes, P: PrecisionMode>(&mut self, lines: &Lines<E>, light: &LatticeLight, alive: u32) -> u32 {
         self.lower = lines.lower;
+        self.flipped = lines.flipped;
         let mut taken = 0;
         let mut first = 0;
         while first < TILE {
@@ -315,20 +303,20 @@ impl Outlines {
     #[inline(always)]
     fn take_chunk<L: Lanes, P: PrecisionMode>(
         &mut self,
-        lines: &Lines<3>,
+        lines: &Lines<E>,
         light: &LatticeLight,
         first: usize,
         wanted: u32,
     ) -> u32 {
         let (mut taken, mut doubt) = (wanted, L::splat(0.0));
-        let mut start = [L::splat(0.0); 3];
+        let mut start = [L::splat(0.0); E];
         let mut k = 0;
-        while k < 3 {
+        while k < E {
             let mut slope = L::load(&lines.slope[k], first);
             start[k] = L::load(&lines.start[k], first);
             if P::CERTIFIED {
                 let mut own = L::load(&lines.doubt[k], first);
-                let steep = own.ge(L::splat(MOST_DOUBT));
+                let steep = own.ge(L::splat(MOST_PLANE_DOUBT));
                 if L::bits(steep) & wanted != 0 {
                     let crossing = Crossing::of(slope, start[k], own, light.columns);
                     taken &= !(crossing.stuck & L::bits(steep));
@@ -343,7 +331,7 @@ impl Outlines {
         }
         let (below, above) = (doubt, L::splat(1.0).sub(doubt));
         let mut k = 0;
-        while k < 3 {
+        while k < E {
             let lower = L::mask(lines.lower[k] >> first);
             start[k].add(L::select(lower, below, above)).store(&mut self.start[k], first);
             k += 1;
@@ -354,6 +342,34 @@ impl Outlines {
         L::store_ints(L::splat_int(0), &mut self.first, first);
         L::store_ints(L::splat_int(light.rows as i32), &mut self.count, first);
         taken
+    }
+}
+
+impl Outlines<3> {
+    /// Writes the outlines of a triangle that faces the light (not a mixed one) for the lanes in `wanted`.
+    #[inline(always)]
+    pub fn outline<L: Lanes, P: PrecisionMode>(
+        &mut self,
+        view: &View<L::Long>,
+        occluder: &Occluder,
+        wanted: u32,
+    ) -> Seen {
+        let (corners, lost, lost_height) = view.corners::<L, P>(occluder);
+        let bound = TriangleBound { lost, lost_height };
+        self.lower = [0; 3];
+        self.flipped = 0;
+        let mut seen = Seen { outlined: 0, unknown: 0 };
+        let mut first = 0;
+        while first < TILE {
+            let lanes = wanted >> first & ((1 << L::WIDTH) - 1);
+            if lanes != 0 {
+                let chunk = self.chunk::<L, P>(view, &corners, &bound, first, lanes);
+                seen.outlined |= chunk.outlined << first;
+                seen.unknown |= chunk.unknown << first;
+            }
+            first += L::WIDTH;
+        }
+        seen
     }
 
     #[inline(always)]

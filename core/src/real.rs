@@ -15,6 +15,8 @@ pub trait Real: Copy {
     const DOT_ERRORS: f32;
     /// See [`Real::DOT_ERRORS`].
     const AXIS_ERRORS: f32;
+    /// Largest relative error of `(e × f)·d`, against the sum over absolute values.
+    const SIDE_ERROR: f32;
     /// Columns, rows and minus the height: axes of the light's frame.
     fn axes(grid: &LightGrid) -> [Axis<Self>; 3];
     /// Rounds.
@@ -23,6 +25,8 @@ pub trait Real: Copy {
     fn to_f32(self) -> f32;
     /// `axis·d`
     fn dot(axis: &Axis<Self>, d: IVec3) -> Self;
+    /// `e × f`
+    fn cross(e: IVec3, f: IVec3) -> Axis<Self>;
     /// As [`Real::dot`], of four vectors, axis-major.
     fn dots(axis: &Axis<Self>, d: &[[i32; 4]; 3]) -> [f32; 4];
     /// `self − b·c`
@@ -32,10 +36,11 @@ pub trait Real: Copy {
 }
 
 macro_rules! real {
-    ($float:ty, $dot:literal, $axis:literal, $grid:ident => $axes:expr) => {
+    ($float:ty, $dot:literal, $axis:literal, $side:expr, $grid:ident => $axes:expr) => {
         impl Real for $float {
             const DOT_ERRORS: f32 = $dot;
             const AXIS_ERRORS: f32 = $axis;
+            const SIDE_ERROR: f32 = $side;
 
             #[inline(always)]
             fn axes($grid: &LightGrid) -> [Axis<Self>; 3] {
@@ -52,6 +57,12 @@ macro_rules! real {
             #[inline(always)]
             fn dot(axis: &Axis<Self>, d: IVec3) -> Self {
                 axis[0] * d.x as Self + axis[1] * d.y as Self + axis[2] * d.z as Self
+            }
+            #[inline(always)]
+            fn cross(e: IVec3, f: IVec3) -> Axis<Self> {
+                let e = [e.x as Self, e.y as Self, e.z as Self];
+                let f = [f.x as Self, f.y as Self, f.z as Self];
+                [e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]]
             }
             #[inline(always)]
             fn dots(axis: &Axis<Self>, d: &[[i32; 4]; 3]) -> [f32; 4] {
@@ -77,8 +88,8 @@ macro_rules! real {
 }
 
 #[cfg(not(target_arch = "spirv"))]
-real!(f64, 0.0, 0.0, grid => grid.long_axes);
-real!(f32, 4.0, 3.0, grid => {
+real!(f64, 0.0, 0.0, 8.0 * f64::EPSILON as f32, grid => grid.long_axes);
+real!(f32, 4.0, 3.0, 9.0 * f32::EPSILON, grid => {
     let frame = &grid.frame;
     [frame.along_u.to_array(), frame.along_v.to_array(), (-frame.normal).to_array()]
 });

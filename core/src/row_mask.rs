@@ -170,8 +170,8 @@ impl<L: Lanes> Ends<L> {
 
 /// ORs the rows of one outlined triangle into one receiver's mask. `lane` is the receiver's in `outlines`.
 #[inline(always)]
-pub fn fill_outline<L: Lanes, W: MaskWord, P: PrecisionMode>(
-    outlines: &Outlines,
+pub fn fill_outline<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
+    outlines: &Outlines<E>,
     lane: usize,
     ends: &Ends<L>,
     mask: &mut MaskRows<W>,
@@ -186,7 +186,7 @@ pub fn fill_outline<L: Lanes, W: MaskWord, P: PrecisionMode>(
         let rows = L::count_from(row);
         let (mut from, mut to) = (ends.before_first, ends.after_last);
         let mut k = 0;
-        while k < 3 {
+        while k < E {
             let x = L::splat(outlines.slope[k][lane]).mul_add(rows, L::splat(outlines.start[k][lane]));
             if outlines.lower[k] >> lane & 1 == 1 {
                 from = from.max(x);
@@ -235,8 +235,8 @@ fn or_spans<L: Lanes, W: MaskWord>(starts: L::Ints, ends: L::Ints, mask: &mut Ma
 ///
 /// The lines are evaluated again, on one lane, and may round differently: so one band more is looked at on each side.
 #[inline(never)]
-pub fn settle_outline<W: MaskWord>(
-    outlines: &Outlines,
+pub fn settle_outline<W: MaskWord, const E: usize>(
+    outlines: &Outlines<E>,
     lane: usize,
     pair: &mut PairIntegers<'_>,
     mut unsure: [u32; 2],
@@ -253,7 +253,7 @@ pub fn settle_outline<W: MaskWord>(
         let Some(word) = mask.get_mut(row) else { break };
         let (mut from, mut to) = (-0.5, columns + 0.5);
         let mut k = 0;
-        while k < 3 {
+        while k < E {
             let x = outlines.slope[k][lane] * row as f32 + outlines.start[k][lane];
             if outlines.lower[k] >> lane & 1 == 1 {
                 from = Lanes::max(from, x);

@@ -7,7 +7,8 @@ pub struct Counts {
     pub pairs_tested: u64,
     /// Pairs that passed it: their planes were set up.
     pub pairs_kept: u64,
-    /// Pairs of which at least one light sample is blocked.
+    /// Pairs of which at least one light sample is blocked. (Where the sample is doubtful, and another triangle blocks it
+    /// already, the pair is not looked at again and not counted.)
     pub pairs_relevant: u64,
     /// Signs that f32 could not certify and that were redone in integers.
     pub fallbacks: u64,

@@ -17,6 +17,7 @@ use crate::{
     proj4::{KeyTile, Keys, least},
     real::Real,
     row_mask::{self, Ends, MASK_ROWS, MaskRows},
+    side::Sides,
     statistics::Counts,
 };
 
@@ -174,7 +175,7 @@ fn group_need(active: u32, needs: &KeyTile) -> Keys {
 #[derive(Clone, Debug)]
 pub struct Meeting<R> {
     view: View<R>,
-    outlines: Outlines,
+    outlines: Outlines<3>,
     lines: Lines<3>,
 }
 
@@ -196,50 +197,13 @@ impl<R: Real> Meeting<R> {
         group: &mut Group<W>,
     ) {
         if occluder.is_mixed() {
-            let mut lines = Lines::<4>::EMPTY;
-            let planes = PairPlanes::new(grid, &group.receivers, occluder);
-            let alive = planes.lines::<L, P, 4>(kept, &mut lines, &mut group.counts.fallbacks);
-            return fill_by_planes::<L, W, P, 4, false>(grid, occluder, alive, &lines, group);
+            let (mut lines, mut outlines) = (Lines::<4>::EMPTY, Outlines::<4>::EMPTY);
+            return by_planes::<L, W, P, 4>(grid, &self.view, occluder, kept, &mut lines, &mut outlines, group);
         }
         let Seen { outlined, unknown } = self.outlines.outline::<L, P>(&self.view, occluder, kept);
-        self.fill_outlines::<L, W, P>(grid, occluder, outlined, group);
-        if unknown == 0 {
-            return;
-        }
-        let planes = PairPlanes::new(grid, &group.receivers, occluder);
-        let alive = planes.lines::<L, P, 3>(unknown, &mut self.lines, &mut group.counts.fallbacks);
-        if alive != 0 {
-            let taken = self.outlines.take_over::<L, P>(&self.lines, &grid.light, alive);
-            self.fill_outlines::<L, W, P>(grid, occluder, taken, group);
-            fill_by_planes::<L, W, P, 3, false>(grid, occluder, alive & !taken, &self.lines, group);
-        }
-    }
-
-    #[inline(always)]
-    fn fill_outlines<L: Lanes<Long = R>, W: MaskWord, P: PrecisionMode>(
-        &mut self,
-        grid: &LightGrid,
-        occluder: &Occluder,
-        mut outlined: u32,
-        group: &mut Group<W>,
-    ) {
-        let ends = Ends::new(grid.light.columns);
-        while outlined != 0 {
-            let lane = outlined.trailing_zeros() as usize % TILE;
-            outlined &= outlined - 1;
-            let filled = row_mask::fill_outline::<L, W, P>(&self.outlines, lane, &ends, &mut group.masks[lane]);
-            let mut relevant = filled.relevant;
-            if P::CERTIFIED && filled.unsure[0] | filled.unsure[1] != 0 {
-                let mut pair = PairIntegers {
-                    light: &grid.light,
-                    receivers: &group.receivers,
-                    occluder,
-                    fallbacks: &mut group.counts.fallbacks,
-                };
-                relevant |=
-                    row_mask::settle_outline(&self.outlines, lane, &mut pair, filled.unsure, &mut group.masks[lane]);
-            }
-            group.tell(lane, relevant);
+        fill_outlines::<L, W, P, 3>(grid, occluder, outlined, &self.outlines, group);
+        if unknown != 0 {
+            by_planes::<L, W, P, 3>(grid, &self.view, occluder, unknown, &mut self.lines, &mut self.outlines, group);
         }
     }
 
@@ -252,20 +216,75 @@ impl<R: Real> Meeting<R> {
         kept: u32,
         group: &mut Group<W>,
     ) {
+        let fallbacks = &mut group.counts.fallbacks;
+        let sides = Sides::of::<L, P>(&self.view, &group.receivers, occluder, kept, fallbacks);
         let planes = PairPlanes::new(grid, &group.receivers, occluder);
         if occluder.is_mixed() {
             let mut lines = Lines::<4>::EMPTY;
-            let alive = planes.lines::<L, P, 4>(kept, &mut lines, &mut group.counts.fallbacks);
+            let alive = planes.lines::<L, P, 4>(sides, &mut lines);
             fill_by_planes::<L, W, P, 4, true>(grid, occluder, alive, &lines, group);
         } else {
-            let alive = planes.lines::<L, P, 3>(kept, &mut self.lines, &mut group.counts.fallbacks);
+            let alive = planes.lines::<L, P, 3>(sides, &mut self.lines);
             fill_by_planes::<L, W, P, 3, true>(grid, occluder, alive, &self.lines, group);
         }
     }
 }
 
-/// The receivers in `alive`, by the lines of a triangle's planes. (Inlined: a function of its own would be compiled
-/// without the instruction set that the executor chose.)
+/// One triangle against the receivers in `kept`, by its edges' planes, and its own where it meets the light. (Here and
+/// below all is inlined: a function of its own would be compiled without the instruction set that the executor chose.)
+#[inline(always)]
+fn by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
+    grid: &LightGrid,
+    view: &View<L::Long>,
+    occluder: &Occluder,
+    kept: u32,
+    lines: &mut Lines<E>,
+    outlines: &mut Outlines<E>,
+    group: &mut Group<W>,
+) {
+    let sides = Sides::of::<L, P>(view, &group.receivers, occluder, kept, &mut group.counts.fallbacks);
+    if sides.positive == 0 && (E == 3 || sides.negative == 0) {
+        return;
+    }
+    let alive = PairPlanes::new(grid, &group.receivers, occluder).lines::<L, P, E>(sides, lines);
+    if alive != 0 {
+        // The doubts of four planes differ too much for one band to pay.
+        let banded = if E == 4 && P::CERTIFIED { 0 } else { alive };
+        let taken = outlines.take_over::<L, P>(lines, &grid.light, banded);
+        fill_outlines::<L, W, P, E>(grid, occluder, taken, outlines, group);
+        fill_by_planes::<L, W, P, E, false>(grid, occluder, alive & !taken, lines, group);
+    }
+}
+
+/// The receivers in `outlined`, by lines with one band.
+#[inline(always)]
+fn fill_outlines<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
+    grid: &LightGrid,
+    occluder: &Occluder,
+    mut outlined: u32,
+    outlines: &Outlines<E>,
+    group: &mut Group<W>,
+) {
+    let ends = Ends::new(grid.light.columns);
+    while outlined != 0 {
+        let lane = outlined.trailing_zeros() as usize % TILE;
+        outlined &= outlined - 1;
+        let filled = row_mask::fill_outline::<L, W, P, E>(outlines, lane, &ends, &mut group.masks[lane]);
+        let mut relevant = filled.relevant;
+        if P::CERTIFIED && filled.unsure[0] | filled.unsure[1] != 0 {
+            let mut pair = PairIntegers {
+                light: &grid.light,
+                receivers: &group.receivers,
+                occluder,
+                fallbacks: &mut group.counts.fallbacks,
+            };
+            relevant |= row_mask::settle_outline(outlines, lane, &mut pair, filled.unsure, &mut group.masks[lane]);
+        }
+        group.tell(lane, relevant);
+    }
+}
+
+/// The receivers in `alive`, by the lines of a triangle's planes, each with its own doubt.
 #[inline(always)]
 fn fill_by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize, const BITS: bool>(
     grid: &LightGrid,
