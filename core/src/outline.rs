@@ -43,7 +43,7 @@ use glam::{IVec3, Vec3};
 
 use crate::{
     doubt::Margins,
-    edge_plane::{LightGrid, Lines, Occluder, ReceiverTile, float},
+    edge_plane::{LightGrid, Lines, Occluder, ReceiverTile, cross_magnitudes, float},
     lanes::{Lanes, TILE},
     light::{LatticeLight, MAX_SAMPLES},
     precision::PrecisionMode,
@@ -62,6 +62,10 @@ const LEAST_RISE: f32 = 1.0e-6;
 const FLAT_SLOPE: f32 = (1 << 22) as f32;
 /// The same for lines that planes made: their doubts differ much from plane to plane, and the largest counts for all.
 const MOST_PLANE_DOUBT: f32 = 1.0 / 64.0;
+/// The least slope of a triangle's own plane along the columns that is divided by, as a part of its largest value.
+const LEAST_COLUMN: f32 = 1.0 / (1 << 20) as f32;
+/// A column off any grid: larger doubts make no difference.
+const MOST_COLUMN: f32 = (1 << 30) as f32;
 /// How far from a flat side rows must lie beyond δ, in rows. (Rounding moves the cut by less than δ.)
 const FLAT_MARGIN: f32 = 1.0 / (1 << 14) as f32;
 /// Doubts of as many columns or more are not looked at here: half a column would hold no certain one.
@@ -343,27 +347,33 @@ impl<const E: usize> Outlines<E> {
         L::store_ints(L::splat_int(light.rows as i32), &mut self.count, first);
         taken
     }
-}
-
-impl Outlines<3> {
-    /// Writes the outlines of a triangle that faces the light (not a mixed one) for the lanes in `wanted`.
+    /// Writes the outlines of a triangle for the lanes in `wanted`. `E` is 3, or 4 for a mixed triangle, whose own plane is
+    /// the fourth side.
     #[inline(always)]
     pub fn outline<L: Lanes, P: PrecisionMode>(
         &mut self,
+        grid: &LightGrid,
         view: &View<L::Long>,
         occluder: &Occluder,
         wanted: u32,
     ) -> Seen {
         let (corners, lost, lost_height) = view.corners::<L, P>(occluder);
-        let bound = TriangleBound { lost, lost_height };
-        self.lower = [0; 3];
+        let mut own = OwnSide::NONE;
+        if E == 4 {
+            own = OwnSide::of::<L, P>(grid, occluder);
+            if own.stuck {
+                return Seen { outlined: 0, unknown: wanted };
+            }
+        }
+        let triangle = Triangle { corners, lost, lost_height, own };
+        self.lower = [0; E];
         self.flipped = 0;
         let mut seen = Seen { outlined: 0, unknown: 0 };
         let mut first = 0;
         while first < TILE {
             let lanes = wanted >> first & ((1 << L::WIDTH) - 1);
             if lanes != 0 {
-                let chunk = self.chunk::<L, P>(view, &corners, &bound, first, lanes);
+                let chunk = self.chunk::<L, P>(view, &triangle, first, lanes);
                 seen.outlined |= chunk.outlined << first;
                 seen.unknown |= chunk.unknown << first;
             }
@@ -376,18 +386,17 @@ impl Outlines<3> {
     fn chunk<L: Lanes, P: PrecisionMode>(
         &mut self,
         view: &View<L::Long>,
-        corners: &[[f32; 4]; 3],
-        bound: &TriangleBound,
+        triangle: &Triangle,
         first: usize,
         wanted: u32,
     ) -> Seen {
         let at = [L::load(&view.at[0], first), L::load(&view.at[1], first), L::load(&view.at[2], first)];
         let mut front = wanted & view.usable >> first;
         // Heights must exceed what is lost in them.
-        let least = L::splat(if P::CERTIFIED { bound.lost_height * LEAST_HEIGHT + 1.0e-3 } else { 1.0e-3 });
-        let a = view.corner::<L>(first, &at, corners, 0, least, &mut front);
-        let b = view.corner::<L>(first, &at, corners, 1, least, &mut front);
-        let c = view.corner::<L>(first, &at, corners, 2, least, &mut front);
+        let least = L::splat(if P::CERTIFIED { triangle.lost_height * LEAST_HEIGHT + 1.0e-3 } else { 1.0e-3 });
+        let a = view.corner::<L>(first, &at, &triangle.corners, 0, least, &mut front);
+        let b = view.corner::<L>(first, &at, &triangle.corners, 1, least, &mut front);
+        let c = view.corner::<L>(first, &at, &triangle.corners, 2, least, &mut front);
         // A triangle that lies lower than the receiver does not come between it and the light.
         let wanted = wanted & !L::bits(L::splat(0.0).sub(least).ge(a.rise.max(b.rise).max(c.rise)));
         let front = front & wanted;
@@ -406,11 +415,11 @@ impl Outlines<3> {
             let e = right.max(zero.sub(left)).max(high.max(zero.sub(low)));
             let inverse = a.inverse.max(b.inverse).max(c.inverse);
             // δ as in the notes, sorted by what it is multiplied with.
-            let lost_height = bound.lost_height * unit;
+            let lost_height = triangle.lost_height * unit;
             let of_e = (v.per_e + v.per_q) * unit;
             let constant = (v.constant + v.aside * v.per_q) * unit;
             off = e.mul_add(L::splat(of_e), L::splat(constant));
-            let per_inverse = at[2].mul_add(L::splat(bound.lost * unit), L::splat(v.aside * lost_height));
+            let per_inverse = at[2].mul_add(L::splat(triangle.lost * unit), L::splat(v.aside * lost_height));
             off = inverse.mul_add(e.mul_add(L::splat(lost_height), per_inverse), off);
             if L::Long::AXIS_ERRORS > 0.0 {
                 off = e.mul(e.add(L::splat(v.aside))).mul_add(L::splat(v.per_eq * unit), off);
@@ -421,15 +430,18 @@ impl Outlines<3> {
         let (ab, ac) = ([b.column.sub(a.column), b.row.sub(a.row)], [c.column.sub(a.column), c.row.sub(a.row)]);
         let area = ac[0].mul(ab[1]).sub(ab[0].mul(ac[1]));
         let mut unknown = wanted & !front;
-        let mut dropped;
+        let (positive, negative);
         if P::CERTIFIED {
             let least_area = right.sub(left).add(high.sub(low)).mul(off).mul(L::splat(6.0));
-            let negative = L::bits(zero.sub(least_area).ge(area));
-            unknown |= !L::bits(area.ge(least_area)) & !negative;
-            dropped = negative;
+            positive = L::bits(area.ge(least_area));
+            negative = L::bits(zero.sub(least_area).ge(area));
+            unknown |= !positive & !negative;
         } else {
-            dropped = !L::bits(area.ge(L::splat(f32::MIN_POSITIVE)));
+            positive = L::bits(area.ge(L::splat(f32::MIN_POSITIVE)));
+            negative = !positive;
         }
+        // A triangle that faces the light is seen from its far side only.
+        let mut dropped = if E == 3 { negative } else { 0 };
 
         // Rows that may change, and whether any sample may.
         let half = L::splat(0.5);
@@ -447,8 +459,18 @@ impl Outlines<3> {
         L::store_ints(L::sub_ints(end, from), &mut self.count, first);
 
         let bc = [c.column.sub(b.column), c.row.sub(b.row)];
-        let mut sides =
-            [Side::new::<P>(&a, ab), Side::new::<P>(&b, bc), Side::new::<P>(&c, [zero.sub(ac[0]), zero.sub(ac[1])])];
+        let ca = [zero.sub(ac[0]), zero.sub(ac[1])];
+        let mut sides = if E == 3 {
+            [Side::new::<P>(&a, &b, ab), Side::new::<P>(&b, &c, bc), Side::new::<P>(&c, &a, ca)]
+        } else {
+            // From the other side the corners go round the other way.
+            let turned = L::mask(negative);
+            [
+                Side::new::<P>(&a, &b, turn(ab, turned)),
+                Side::new::<P>(&b, &c, turn(bc, turned)),
+                Side::new::<P>(&c, &a, turn(ca, turned)),
+            ]
+        };
         let mut doubt = zero;
         if P::CERTIFIED {
             let shallowest = sides[0].rise.min(sides[1].rise).min(sides[2].rise);
@@ -460,6 +482,9 @@ impl Outlines<3> {
                 }
             }
             doubt = sides[0].steep.max(sides[1].steep).max(sides[2].steep).mul_add(off, off);
+            if E == 4 {
+                doubt = doubt.max(L::splat(triangle.own.doubt));
+            }
             doubt.add(doubt).store(&mut self.band, first);
             unknown |= candidates & L::bits(doubt.ge(L::splat(MOST_DOUBT)));
         }
@@ -471,6 +496,15 @@ impl Outlines<3> {
             side.start.add(L::select(side.lower, below, above)).store(&mut self.start[k], first);
             self.lower[k] |= L::bits(side.lower) << first;
             k += 1;
+        }
+        if E == 4 {
+            let all = (1 << L::WIDTH) - 1;
+            let lower = if triangle.own.lower { negative ^ all } else { negative } & all;
+            let start = L::splat(triangle.own.start).add(L::select(L::mask(lower), below, above));
+            L::splat(triangle.own.slope).store(&mut self.slope[3 % E], first);
+            start.store(&mut self.start[3 % E], first);
+            self.lower[3 % E] |= lower << first;
+            self.flipped |= (negative & all) << first;
         }
         Seen { outlined: candidates & !unknown, unknown }
     }
@@ -489,22 +523,24 @@ struct Side<L: Lanes> {
     steep: L,
     /// Rows from one end to the other, either way.
     rise: L,
-    /// Row of one end, and what it is to the other.
-    row: L,
-    along: [L; 2],
+    /// Rows of both ends.
+    ends: [L; 2],
+    /// Whether it goes to the right.
+    rightwards: L::Mask,
 }
 
 impl<L: Lanes> Side<L> {
-    /// From `corner` on, by `along` columns and rows.
+    /// Between two corners, `along` columns and rows from one to the other, whichever goes clockwise.
     #[inline(always)]
-    fn new<P: PrecisionMode>(corner: &Corner<L>, along: [L; 2]) -> Self {
+    fn new<P: PrecisionMode>(corner: &Corner<L>, other: &Corner<L>, along: [L; 2]) -> Self {
         let zero = L::splat(0.0);
         let rise = along[1].abs();
         let lower = along[1].ge(zero);
         let inverse = rise.max(L::splat(if P::CERTIFIED { FLAT } else { LEAST_RISE })).recip();
         let slope = along[0].mul(L::select(lower, inverse, zero.sub(inverse)));
         let start = corner.column.sub(slope.mul(corner.row));
-        Self { slope, start, lower, steep: slope.abs(), rise, row: corner.row, along }
+        let ends = [corner.row, other.row];
+        Self { slope, start, lower, steep: slope.abs(), rise, ends, rightwards: along[0].ge(zero) }
     }
 
     /// In flat lanes, puts a line along the rows in the place of the side. Returns the lanes in which a row lies within
@@ -513,12 +549,12 @@ impl<L: Lanes> Side<L> {
     fn cut_flat(&mut self, off: L) -> u32 {
         let (zero, off) = (L::splat(0.0), off.add(L::splat(FLAT_MARGIN)));
         let sloped = self.rise.ge(L::splat(FLAT));
-        let other = self.row.add(self.along[1]);
-        let top = self.row.max(other).add(off);
-        let stuck = top.integer_below(top.sub(self.row.min(other).sub(off)));
+        let [one, other] = self.ends;
+        let top = one.max(other).add(off);
+        let stuck = top.integer_below(top.sub(one.min(other).sub(off)));
         // Clockwise: to the right of a side that goes right is what lies below it.
-        let cut = L::select(self.along[0].ge(zero), L::splat(FLAT_SLOPE), L::splat(-FLAT_SLOPE));
-        let middle = self.row.add(other).mul(L::splat(0.5));
+        let cut = L::select(self.rightwards, L::splat(FLAT_SLOPE), L::splat(-FLAT_SLOPE));
+        let middle = one.add(other).mul(L::splat(0.5));
         self.slope = L::select(sloped, self.slope, cut);
         self.start = L::select(sloped, self.start, zero.sub(cut.mul(middle)));
         self.steep = L::select(sloped, self.steep, zero);
@@ -556,10 +592,73 @@ impl<L: Lanes> Crossing<L> {
     }
 }
 
-/// What a triangle contributes to δ, in units of ε: B + D and B_h + D_h.
-struct TriangleBound {
+/// `−along` in the lanes of `turned`.
+#[inline(always)]
+fn turn<L: Lanes>(along: [L; 2], turned: L::Mask) -> [L; 2] {
+    let zero = L::splat(0.0);
+    [L::select(turned, zero.sub(along[0]), along[0]), L::select(turned, zero.sub(along[1]), along[1])]
+}
+
+/// A triangle from a group's base.
+struct Triangle {
+    /// Its corners along the view's axes.
+    corners: [[f32; 4]; 3],
+    /// What it contributes to δ, in units of ε: B + D and B_h + D_h.
     lost: f32,
     lost_height: f32,
+    own: OwnSide,
+}
+
+/// The line in which a mixed triangle's plane meets the light, the same for all receivers; as seen from its positive side.
+#[derive(Clone, Copy)]
+struct OwnSide {
+    slope: f32,
+    start: f32,
+    doubt: f32,
+    lower: bool,
+    /// No line stands for it.
+    stuck: bool,
+}
+
+impl OwnSide {
+    const NONE: Self = Self { slope: 0.0, start: 0.0, doubt: 0.0, lower: true, stuck: false };
+
+    /// The form `n·(L − a)` over the light, n the triangle's normal: its error is that of three products of three factors
+    /// (see [`Real::SIDE_ERROR`]); its line has the roundoffs of a reciprocal, a product, the evaluation and the move.
+    #[inline(always)]
+    fn of<L: Lanes, P: PrecisionMode>(grid: &LightGrid, occluder: &Occluder) -> Self {
+        let light = &grid.light;
+        let [a, b, c] = occluder.corners();
+        let (e, f, d) = (b - a, c - a, light.origin - a);
+        let normal = L::Long::cross(e, f);
+        let (at_origin, per_row) = (L::Long::dot(&normal, d).to_f32(), L::Long::dot(&normal, light.step_v).to_f32());
+        let per_column = L::Long::dot(&normal, light.step_u).to_f32();
+        let lower = per_column >= 0.0;
+        // A smaller slope would make quotients that overflow. With this one the line crosses the same rows, less steeply.
+        let samples = MAX_SAMPLES as f32;
+        let whole = Lanes::abs(at_origin) + samples * Lanes::abs(per_row);
+        let magnitude = Lanes::max(Lanes::max(Lanes::abs(per_column), whole * LEAST_COLUMN), 1.0e-20);
+        let signed = if lower { -magnitude } else { magnitude };
+        let (slope, start) = (per_row / signed, at_origin / signed);
+        let mut own = Self { slope, start, doubt: 0.0, lower, stuck: false };
+        if P::CERTIFIED {
+            let steps = (float(light.step_u).abs() + float(light.step_v).abs()) * samples;
+            let lost = L::Long::SIDE_ERROR * cross_magnitudes(float(e), float(f)).dot(float(d).abs() + steps);
+            let rounding = 8.0 * L::ROUNDOFF * (Lanes::abs(start) + samples * Lanes::abs(slope) + samples);
+            own.doubt = Lanes::min(lost / magnitude, MOST_COLUMN) + rounding;
+            if own.doubt >= MOST_PLANE_DOUBT {
+                let crossing = Crossing::of(slope, start, own.doubt, light.columns);
+                own = Self {
+                    slope: crossing.slope,
+                    start: crossing.start,
+                    doubt: 0.0,
+                    lower,
+                    stuck: crossing.stuck != 0,
+                };
+            }
+        }
+        own
+    }
 }
 
 impl<R: Real> View<R> {

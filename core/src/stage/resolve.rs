@@ -175,8 +175,8 @@ fn group_need(active: u32, needs: &KeyTile) -> Keys {
 #[derive(Clone, Debug)]
 pub struct Meeting<R> {
     view: View<R>,
-    outlines: Outlines<3>,
-    lines: Lines<3>,
+    three: Room<3>,
+    four: Room<4>,
 }
 
 impl<R: Real> Meeting<R> {
@@ -184,7 +184,7 @@ impl<R: Real> Meeting<R> {
     #[inline(always)]
     pub fn new<L: Lanes, W: MaskWord, P: PrecisionMode>(grid: &LightGrid, group: &Group<W>) -> Self {
         let view = View::new::<L, P>(grid, &group.receivers, group.active);
-        Self { view, outlines: Outlines::EMPTY, lines: Lines::EMPTY }
+        Self { view, three: Room::EMPTY, four: Room::EMPTY }
     }
 
     /// One triangle against the receivers in `kept`: rows at once.
@@ -196,14 +196,11 @@ impl<R: Real> Meeting<R> {
         kept: u32,
         group: &mut Group<W>,
     ) {
+        let Self { view, three, four } = self;
         if occluder.is_mixed() {
-            let (mut lines, mut outlines) = (Lines::<4>::EMPTY, Outlines::<4>::EMPTY);
-            return by_planes::<L, W, P, 4>(grid, &self.view, occluder, kept, &mut lines, &mut outlines, group);
-        }
-        let Seen { outlined, unknown } = self.outlines.outline::<L, P>(&self.view, occluder, kept);
-        fill_outlines::<L, W, P, 3>(grid, occluder, outlined, &self.outlines, group);
-        if unknown != 0 {
-            by_planes::<L, W, P, 3>(grid, &self.view, occluder, unknown, &mut self.lines, &mut self.outlines, group);
+            four.meet::<L, W, P>(grid, view, occluder, kept, group);
+        } else {
+            three.meet::<L, W, P>(grid, view, occluder, kept, group);
         }
     }
 
@@ -220,39 +217,52 @@ impl<R: Real> Meeting<R> {
         let sides = Sides::of::<L, P>(&self.view, &group.receivers, occluder, kept, fallbacks);
         let planes = PairPlanes::new(grid, &group.receivers, occluder);
         if occluder.is_mixed() {
-            let mut lines = Lines::<4>::EMPTY;
-            let alive = planes.lines::<L, P, 4>(sides, &mut lines);
-            fill_by_planes::<L, W, P, 4, true>(grid, occluder, alive, &lines, group);
+            let alive = planes.lines::<L, P, 4>(sides, &mut self.four.lines);
+            fill_by_planes::<L, W, P, 4, true>(grid, occluder, alive, &self.four.lines, group);
         } else {
-            let alive = planes.lines::<L, P, 3>(sides, &mut self.lines);
-            fill_by_planes::<L, W, P, 3, true>(grid, occluder, alive, &self.lines, group);
+            let alive = planes.lines::<L, P, 3>(sides, &mut self.three.lines);
+            fill_by_planes::<L, W, P, 3, true>(grid, occluder, alive, &self.three.lines, group);
         }
     }
 }
 
-/// One triangle against the receivers in `kept`, by its edges' planes, and its own where it meets the light. (Here and
-/// below all is inlined: a function of its own would be compiled without the instruction set that the executor chose.)
-#[inline(always)]
-fn by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
-    grid: &LightGrid,
-    view: &View<L::Long>,
-    occluder: &Occluder,
-    kept: u32,
-    lines: &mut Lines<E>,
-    outlines: &mut Outlines<E>,
-    group: &mut Group<W>,
-) {
-    let sides = Sides::of::<L, P>(view, &group.receivers, occluder, kept, &mut group.counts.fallbacks);
-    if sides.positive == 0 && (E == 3 || sides.negative == 0) {
-        return;
-    }
-    let alive = PairPlanes::new(grid, &group.receivers, occluder).lines::<L, P, E>(sides, lines);
-    if alive != 0 {
-        // The doubts of four planes differ too much for one band to pay.
-        let banded = if E == 4 && P::CERTIFIED { 0 } else { alive };
-        let taken = outlines.take_over::<L, P>(lines, &grid.light, banded);
-        fill_outlines::<L, W, P, E>(grid, occluder, taken, outlines, group);
-        fill_by_planes::<L, W, P, E, false>(grid, occluder, alive & !taken, lines, group);
+/// Room for the lines of one triangle with `E` planes. (Here and below all is inlined: a function of its own would be
+/// compiled without the instruction set that the executor chose.)
+#[derive(Clone, Debug)]
+struct Room<const E: usize> {
+    outlines: Outlines<E>,
+    lines: Lines<E>,
+}
+
+impl<const E: usize> Room<E> {
+    const EMPTY: Self = Self { outlines: Outlines::EMPTY, lines: Lines::EMPTY };
+
+    /// One triangle against the receivers in `kept`: by its outline, and where that says nothing by its planes.
+    #[inline(always)]
+    fn meet<L: Lanes, W: MaskWord, P: PrecisionMode>(
+        &mut self,
+        grid: &LightGrid,
+        view: &View<L::Long>,
+        occluder: &Occluder,
+        kept: u32,
+        group: &mut Group<W>,
+    ) {
+        let Self { outlines, lines } = self;
+        let Seen { outlined, unknown } = outlines.outline::<L, P>(grid, view, occluder, kept);
+        fill_outlines::<L, W, P, E>(grid, occluder, outlined, outlines, group);
+        if unknown == 0 {
+            return;
+        }
+        let sides = Sides::of::<L, P>(view, &group.receivers, occluder, unknown, &mut group.counts.fallbacks);
+        if sides.positive == 0 && (E == 3 || sides.negative == 0) {
+            return;
+        }
+        let alive = PairPlanes::new(grid, &group.receivers, occluder).lines::<L, P, E>(sides, lines);
+        if alive != 0 {
+            let taken = outlines.take_over::<L, P>(lines, &grid.light, alive);
+            fill_outlines::<L, W, P, E>(grid, occluder, taken, outlines, group);
+            fill_by_planes::<L, W, P, E, false>(grid, occluder, alive & !taken, lines, group);
+        }
     }
 }
 
