@@ -36,8 +36,9 @@
 //! rounding by less than `δ·(w + h)`. So the sign of T' is that of T where twice its area is at least `6δ·(w + h)` (which
 //! implies w + h ≥ 24δ, and so covers the quadratic term). It tells the receiver's side of the triangle's plane.
 //!
-//! *Flat sides*, of less than 1/32 row, have no usable slope. If no row lies within δ of one, it separates whole rows,
-//! and a line that is all but parallel to them stands for it.
+//! *Flat sides*, of less than 1/32 row, have no usable slope. If no row lies within δ of one, it separates whole rows:
+//! those on the side of the third corner, where the other two sides alone bound T', from those where there is nothing of
+//! it. A line that is all but parallel to the rows stands for it.
 
 use glam::{IVec3, Vec3};
 
@@ -461,14 +462,14 @@ impl<const E: usize> Outlines<E> {
         let bc = [c.column.sub(b.column), c.row.sub(b.row)];
         let ca = [zero.sub(ac[0]), zero.sub(ac[1])];
         let mut sides = if E == 3 {
-            [Side::new::<P>(&a, &b, ab), Side::new::<P>(&b, &c, bc), Side::new::<P>(&c, &a, ca)]
+            [Side::new::<P>(&a, &b, &c, ab), Side::new::<P>(&b, &c, &a, bc), Side::new::<P>(&c, &a, &b, ca)]
         } else {
             // From the other side the corners go round the other way.
             let turned = L::mask(negative);
             [
-                Side::new::<P>(&a, &b, turn(ab, turned)),
-                Side::new::<P>(&b, &c, turn(bc, turned)),
-                Side::new::<P>(&c, &a, turn(ca, turned)),
+                Side::new::<P>(&a, &b, &c, turn(ab, turned)),
+                Side::new::<P>(&b, &c, &a, turn(bc, turned)),
+                Side::new::<P>(&c, &a, &b, turn(ca, turned)),
             ]
         };
         let mut doubt = zero;
@@ -525,14 +526,14 @@ struct Side<L: Lanes> {
     rise: L,
     /// Rows of both ends.
     ends: [L; 2],
-    /// Whether it goes to the right.
-    rightwards: L::Mask,
+    /// Row of the corner that is not on it.
+    opposite: L,
 }
 
 impl<L: Lanes> Side<L> {
     /// Between two corners, `along` columns and rows from one to the other, whichever goes clockwise.
     #[inline(always)]
-    fn new<P: PrecisionMode>(corner: &Corner<L>, other: &Corner<L>, along: [L; 2]) -> Self {
+    fn new<P: PrecisionMode>(corner: &Corner<L>, other: &Corner<L>, opposite: &Corner<L>, along: [L; 2]) -> Self {
         let zero = L::splat(0.0);
         let rise = along[1].abs();
         let lower = along[1].ge(zero);
@@ -540,7 +541,7 @@ impl<L: Lanes> Side<L> {
         let slope = along[0].mul(L::select(lower, inverse, zero.sub(inverse)));
         let start = corner.column.sub(slope.mul(corner.row));
         let ends = [corner.row, other.row];
-        Self { slope, start, lower, steep: slope.abs(), rise, ends, rightwards: along[0].ge(zero) }
+        Self { slope, start, lower, steep: slope.abs(), rise, ends, opposite: opposite.row }
     }
 
     /// In flat lanes, puts a line along the rows in the place of the side. Returns the lanes in which a row lies within
@@ -552,9 +553,10 @@ impl<L: Lanes> Side<L> {
         let [one, other] = self.ends;
         let top = one.max(other).add(off);
         let stuck = top.integer_below(top.sub(one.min(other).sub(off)));
-        // Clockwise: to the right of a side that goes right is what lies below it.
-        let cut = L::select(self.rightwards, L::splat(FLAT_SLOPE), L::splat(-FLAT_SLOPE));
+        // The third corner tells which rows are inside: a side so short may well run along the columns. (Where that corner is
+        // as near, no row lies within the triangle.)
         let middle = one.add(other).mul(L::splat(0.5));
+        let cut = L::select(middle.ge(self.opposite), L::splat(FLAT_SLOPE), L::splat(-FLAT_SLOPE));
         self.slope = L::select(sloped, self.slope, cut);
         self.start = L::select(sloped, self.start, zero.sub(cut.mul(middle)));
         self.steep = L::select(sloped, self.steep, zero);
