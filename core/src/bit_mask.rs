@@ -17,7 +17,7 @@ use crate::{
 pub fn fill_bits<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
     lines: &Lines<E>,
     lane: usize,
-    pair: &mut PairIntegers<'_>,
+    pair: &mut PairIntegers,
     mask: &mut MaskRows<W>,
 ) -> bool {
     let lane = lane % TILE;
@@ -73,7 +73,7 @@ fn set_column<W: MaskWord>(mask: &mut MaskRows<W>, row: usize, column: u32, mut 
 fn settle_bits<W: MaskWord, const E: usize>(
     lines: &Lines<E>,
     lane: usize,
-    pair: &mut PairIntegers<'_>,
+    pair: &mut PairIntegers,
     doubtful: &MaskRows<W>,
     mask: &mut MaskRows<W>,
 ) -> bool {
@@ -81,7 +81,7 @@ fn settle_bits<W: MaskWord, const E: usize>(
     let mut relevant = false;
     let mut row = 0;
     while row < pair.light.rows as usize {
-        let found = forms.settle(lines, lane, pair, row, doubtful[row].without(mask[row]));
+        let found = forms.settle(lines, E, lane, pair, row, doubtful[row].without(mask[row]));
         relevant |= found != W::EMPTY;
         mask[row] = mask[row].or(found);
         row += 1;

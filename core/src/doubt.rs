@@ -1,28 +1,39 @@
 //! Doubtful samples of one pair, decided in integers.
 
+use glam::IVec3;
+
 use crate::{
     edge_plane::{Occluder, ReceiverTile},
     exact::{self, GridForm, Wide},
     light::LatticeLight,
     mask_word::MaskWord,
+    statistics::Tally,
 };
 
 /// A pair whose doubtful columns are decided in integers.
-pub struct PairIntegers<'a> {
+#[derive(Clone, Copy, Debug)]
+#[cfg_attr(target_arch = "spirv", repr(C, align(16)))]
+pub struct PairIntegers {
     /// The light.
-    pub light: &'a LatticeLight,
-    /// Receivers; the pair's is given by its lane.
-    pub receivers: &'a ReceiverTile,
-    /// The triangle.
-    pub occluder: &'a Occluder,
-    /// Signs decided, added up over all pairs.
-    pub fallbacks: &'a mut u64,
+    pub light: LatticeLight,
+    /// The receiver.
+    pub receiver: IVec3,
+    /// The triangle's corners, in the order of its planes.
+    pub corners: [IVec3; 3],
+    /// Signs decided.
+    pub fallbacks: Tally,
+}
+
+impl PairIntegers {
+    /// Of one lane's receiver.
+    #[inline(always)]
+    pub fn new(light: &LatticeLight, receivers: &ReceiverTile, occluder: &Occluder, lane: usize) -> Self {
+        Self { light: *light, receiver: receivers.point(lane), corners: occluder.corners(), fallbacks: 0 }
+    }
 }
 
 /// What floats know of a pair: how far a column lies inside each of its planes.
 pub(crate) trait Margins {
-    /// Number of planes: the edges', and the triangle's own where it meets the light.
-    const PLANES: usize;
     /// How many columns the sample lies inside plane k, for one lane, and how much of that is sure.
     fn margin(&self, k: usize, lane: usize, row: f32, column: f32) -> (f32, f32);
     /// Whether the lane's side of the triangle's plane is the negative one.
@@ -35,13 +46,15 @@ pub(crate) struct PairForms([Option<GridForm<Wide>>; 4]);
 impl PairForms {
     pub(crate) const NONE: Self = Self([None; 4]);
 
-    /// Those of the columns in `left` of which the triangle blocks the sample.
+    /// Those of the columns in `left` of which the triangle blocks the sample. It has `planes` planes: the edges', and its own
+    /// where that meets the light.
     #[inline(always)]
     pub(crate) fn settle<W: MaskWord, M: Margins>(
         &mut self,
         margins: &M,
+        planes: usize,
         lane: usize,
-        pair: &mut PairIntegers<'_>,
+        pair: &mut PairIntegers,
         row: usize,
         mut left: W,
     ) -> W {
@@ -50,7 +63,7 @@ impl PairForms {
             let column = left.lowest();
             let bit = W::span(column, column + 1);
             left = left.without(bit);
-            if self.blocks(margins, lane, pair, row, column) {
+            if self.blocks(margins, planes, lane, pair, row, column) {
                 found = found.or(bit);
             }
         }
@@ -62,21 +75,22 @@ impl PairForms {
     fn blocks<M: Margins>(
         &mut self,
         margins: &M,
+        planes: usize,
         lane: usize,
-        pair: &mut PairIntegers<'_>,
+        pair: &mut PairIntegers,
         row: usize,
         column: u32,
     ) -> bool {
         let side = if margins.flipped(lane) { -1 } else { 1 };
         let mut k = 0;
-        while k < M::PLANES {
+        while k < planes {
             let (inside, doubt) = margins.margin(k, lane, row as f32, column as f32);
             if inside < -doubt {
                 return false;
             }
             if inside <= doubt {
-                *pair.fallbacks += 1;
-                let sign = self.form(k, lane, pair).sign_at(row as i32, column as i32) * side;
+                pair.fallbacks += 1;
+                let sign = self.form(k, pair).sign_at(row as i32, column as i32) * side;
                 // Edges are closed; the triangle's own plane blocks strictly.
                 if sign < 0 || (k == 3 && sign == 0) {
                     return false;
@@ -88,17 +102,17 @@ impl PairForms {
     }
 
     #[inline(always)]
-    fn form(&mut self, k: usize, lane: usize, pair: &PairIntegers<'_>) -> GridForm<Wide> {
+    fn form(&mut self, k: usize, pair: &PairIntegers) -> GridForm<Wide> {
         let k = k % 4;
         if let Some(form) = self.0[k] {
             return form;
         }
-        let ([a, b, c], receiver) = (pair.occluder.corners(), pair.receivers.point(lane));
+        let ([a, b, c], receiver, light) = (pair.corners, pair.receiver, pair.light);
         let form = match k {
-            0 => exact::edge_form(pair.light, receiver, a, b),
-            1 => exact::edge_form(pair.light, receiver, b, c),
-            2 => exact::edge_form(pair.light, receiver, c, a),
-            _ => exact::triangle_form(pair.light, [a, b, c]),
+            0 => exact::edge_form(light, receiver, a, b),
+            1 => exact::edge_form(light, receiver, b, c),
+            2 => exact::edge_form(light, receiver, c, a),
+            _ => exact::triangle_form(light, [a, b, c]),
         };
         self.0[k] = Some(form);
         form

@@ -22,10 +22,12 @@
 
 use glam::{IVec3, Vec3};
 
+#[cfg(not(target_arch = "spirv"))]
+use crate::frame;
 use crate::{
     doubt::Margins,
     exact::{self, Wide},
-    frame::{self, LightFrame},
+    frame::LightFrame,
     lanes::{Lanes, TILE},
     light::LatticeLight,
     precision::PrecisionMode,
@@ -39,7 +41,8 @@ const LEAST_SLOPE: f32 = 1.0 / 1024.0;
 
 /// What the planes of all pairs need of the light, in f32.
 #[derive(Clone, Copy, Debug)]
-#[repr(C)]
+#[cfg_attr(not(target_arch = "spirv"), repr(C))]
+#[cfg_attr(target_arch = "spirv", repr(C, align(16)))]
 pub struct LightGrid {
     /// The light itself, for the signs that are decided in integers.
     pub light: LatticeLight,
@@ -59,21 +62,30 @@ pub struct LightGrid {
 
 impl LightGrid {
     /// Rounds what is needed to f32, once a light.
+    #[cfg(not(target_arch = "spirv"))]
     pub fn new(light: LatticeLight) -> Self {
+        let [u, v, n] = frame::axes(&light);
+        let long_axes = [u.to_array(), v.to_array(), (-n).to_array()];
+        Self { long_axes, ..Self::from_frame(light, LightFrame::new(&light), frame::skew(&light)) }
+    }
+
+    /// From what the host computed in f64: the frame, and what the rounding of its axes moves on the light. On the host
+    /// the long axes are left out: they are zero.
+    #[inline(always)]
+    pub fn from_frame(light: LatticeLight, frame: LightFrame, skew: f32) -> Self {
         let (step_u, step_v) = (float(light.step_u), float(light.step_v));
         let (last_row, last_column) = ((light.rows - 1) as f32, (light.columns - 1) as f32);
         let extent = step_v.abs() * last_row + step_u.abs() * last_column;
-        let [u, v, n] = frame::axes(&light);
         Self {
             step_u,
             step_v,
             last_column,
             last_row,
             extent,
-            frame: LightFrame::new(&light),
+            frame,
             #[cfg(not(target_arch = "spirv"))]
-            long_axes: [u.to_array(), v.to_array(), (-n).to_array()],
-            skew: frame::skew(&light),
+            long_axes: [[0.0; 3]; 3],
+            skew,
             light,
         }
     }
@@ -102,10 +114,13 @@ pub struct Occluder {
 }
 
 impl Occluder {
+    /// Stands where there is no triangle: blocks nothing.
+    pub const NONE: Self = Self { axes: [[0; 4]; 3] };
+
     /// Orients a triangle towards the light. `None` where its plane holds every sample, or it has no plane: it blocks
     /// nothing.
     pub fn facing(light: &LatticeLight, corners: [IVec3; 3]) -> Option<Self> {
-        let form = exact::triangle_form::<Wide>(light, corners);
+        let form = exact::triangle_form::<Wide>(*light, corners);
         let (row, column) = (light.rows as i32 - 1, light.columns as i32 - 1);
         let signs = [form.sign_at(0, 0), form.sign_at(0, column), form.sign_at(row, 0), form.sign_at(row, column)];
         // The form is linear: its extremes over the grid are at the corners.
@@ -165,7 +180,8 @@ impl Occluder {
 
 /// Sixteen receivers on the lattice, lane-major.
 #[derive(Clone, Copy, Debug)]
-#[repr(C)]
+#[cfg_attr(not(target_arch = "spirv"), repr(C))]
+#[cfg_attr(target_arch = "spirv", repr(C, align(16)))]
 pub struct ReceiverTile {
     /// Lattice coordinates: `axes[axis][lane]`.
     axes: [[i32; TILE]; 3],
@@ -233,8 +249,6 @@ impl<const E: usize> Lines<E> {
 }
 
 impl<const E: usize> Margins for Lines<E> {
-    const PLANES: usize = E;
-
     #[inline(always)]
     fn margin(&self, k: usize, lane: usize, row: f32, column: f32) -> (f32, f32) {
         let x = self.slope[k][lane] * row + self.start[k][lane];
@@ -248,9 +262,7 @@ impl<const E: usize> Margins for Lines<E> {
 }
 
 /// One triangle against sixteen receivers.
-pub struct PairPlanes<'a> {
-    grid: &'a LightGrid,
-    receivers: &'a ReceiverTile,
+pub struct PairPlanes {
     corners: [IVec3; 3],
     edges: [Vec3; 3],
     farthest: Vec3,
@@ -265,30 +277,37 @@ struct Form<L> {
     permanent: f32,
 }
 
-impl<'a> PairPlanes<'a> {
+impl PairPlanes {
     /// What all receivers share.
     #[inline(always)]
-    pub fn new(grid: &'a LightGrid, receivers: &'a ReceiverTile, occluder: &Occluder) -> Self {
+    pub fn new(receivers: &ReceiverTile, occluder: &Occluder) -> Self {
         let corners = occluder.corners();
         let [a, b, c] = corners;
         let edges = [float(b - a), float(c - b), float(a - c)];
         let farthest = receivers.farthest(a.min(b).min(c), a.max(b).max(c));
-        Self { grid, receivers, corners, edges, farthest }
+        Self { corners, edges, farthest }
     }
 
     /// Computes the lines of the lanes on the positive side of the triangle's plane, or of a mixed triangle those on either,
-    /// and returns the lanes of which a sample may be blocked. `E` is 3, or 4 for a triangle whose plane meets the light's grid.
+    /// and returns the lanes of which a sample may be blocked. `E` is at least 3, or 4 for a mixed triangle.
     #[inline(always)]
-    pub fn lines<L: Lanes, P: PrecisionMode, const E: usize>(&self, sides: Sides, lines: &mut Lines<E>) -> u32 {
-        let wanted = if E == 3 { sides.positive } else { sides.positive | sides.negative };
+    pub fn lines<L: Lanes, P: PrecisionMode, const E: usize>(
+        &self,
+        grid: &LightGrid,
+        receivers: &ReceiverTile,
+        sides: Sides,
+        mixed: bool,
+        lines: &mut Lines<E>,
+    ) -> u32 {
+        let wanted = if mixed { sides.positive | sides.negative } else { sides.positive };
         let mut alive = 0;
         let mut first = 0;
         lines.lower = [0; E];
-        lines.flipped = if E == 3 { 0 } else { sides.negative };
+        lines.flipped = if mixed { sides.negative } else { 0 };
         while first < TILE {
             let lanes = wanted >> first & low_bits(L::WIDTH);
             if lanes != 0 {
-                alive |= self.chunk::<L, P, E>(first, lanes, lines) << first;
+                alive |= self.chunk::<L, P, E>(grid, receivers, first, lanes, mixed, lines) << first;
             }
             first += L::WIDTH;
         }
@@ -298,18 +317,21 @@ impl<'a> PairPlanes<'a> {
     #[inline(always)]
     fn chunk<L: Lanes, P: PrecisionMode, const E: usize>(
         &self,
+        grid: &LightGrid,
+        receivers: &ReceiverTile,
         first: usize,
         wanted: u32,
+        mixed: bool,
         lines: &mut Lines<E>,
     ) -> u32 {
-        let p = self.receivers.load::<L>(first);
+        let p = receivers.load::<L>(first);
         let d0 = towards::<L>(self.corners[0], &p);
         let mut alive = wanted;
-        let g = towards::<L>(self.grid.light.origin, &p);
+        let g = towards::<L>(grid.light.origin, &p);
         // One bound for all edges: the longest on each axis, from the farthest receiver.
-        let origin = self.grid.light.origin;
+        let origin = grid.light.origin;
         let longest = self.edges[0].abs().max(self.edges[1].abs()).max(self.edges[2].abs());
-        let reach = self.receivers.farthest(origin, origin) + self.grid.extent;
+        let reach = receivers.farthest(origin, origin) + grid.extent;
         let permanent = cross_magnitudes(self.farthest, longest).dot(reach);
         let mut k = 0;
         while k < 3 {
@@ -318,74 +340,75 @@ impl<'a> PairPlanes<'a> {
             let n = cross_scalar(&d, e);
             let form = Form {
                 at_origin: dot(&n, &g),
-                per_row: dot_scalar(self.grid.step_v, &n),
-                per_column: dot_scalar(self.grid.step_u, &n),
+                per_row: dot_scalar(grid.step_v, &n),
+                per_column: dot_scalar(grid.step_u, &n),
                 permanent,
             };
-            alive &= self.line::<L, P, E>(k, first, form, lines);
+            alive &= line::<L, P, E>(grid, k, first, form, mixed, lines);
             if alive == 0 {
                 return 0;
             }
             k += 1;
         }
-        if E == 4 {
-            alive &= self.line::<L, P, E>(3, first, self.own_form(), lines);
+        if mixed {
+            alive &= line::<L, P, E>(grid, 3, first, self.own_form(grid), mixed, lines);
         }
         alive
     }
 
     /// The plane of the triangle itself, which is the same for all receivers.
     #[inline(always)]
-    fn own_form<L: Lanes>(&self) -> Form<L> {
+    fn own_form<L: Lanes>(&self, grid: &LightGrid) -> Form<L> {
         let normal = self.edges[2].cross(self.edges[0]);
         let normal_magnitudes = cross_magnitudes(self.edges[2], self.edges[0]);
-        let g = float(self.grid.light.origin - self.corners[0]);
+        let g = float(grid.light.origin - self.corners[0]);
         Form {
             at_origin: L::splat(normal.dot(g)),
-            per_row: L::splat(normal.dot(self.grid.step_v)),
-            per_column: L::splat(normal.dot(self.grid.step_u)),
-            permanent: normal_magnitudes.dot(g.abs() + self.grid.extent),
+            per_row: L::splat(normal.dot(grid.step_v)),
+            per_column: L::splat(normal.dot(grid.step_u)),
+            permanent: normal_magnitudes.dot(g.abs() + grid.extent),
         }
     }
+}
 
-    /// Turns one form into a line, writes it, and returns the lanes of which a sample may be on the blocked side.
-    #[inline(always)]
-    fn line<L: Lanes, P: PrecisionMode, const E: usize>(
-        &self,
-        k: usize,
-        first: usize,
-        form: Form<L>,
-        lines: &mut Lines<E>,
-    ) -> u32 {
-        let zero = L::splat(0.0);
-        let Form { at_origin: a, per_row: c, per_column: b, .. } = form;
-        // Lanes whose receiver is on the other side see the planes turned round.
-        let (a, c, b) = if E == 3 {
-            (a, c, b)
-        } else {
-            let turn = turned::<L>(lines.flipped, first);
-            (a.mul(turn), c.mul(turn), b.mul(turn))
-        };
-        // A receiver on the edge's own vertex has a bound of zero.
-        let bound = Lanes::max(form.permanent * (COLUMN_ERRORS * L::ROUNDOFF), 1.0e-6);
-        let least = L::splat(if P::CERTIFIED { bound * LEAST_SLOPE } else { 1.0e-6 });
-        let bound = L::splat(bound);
-        let magnitude = b.abs().max(least);
-        let lower = b.ge(zero);
-        let inverse = magnitude.recip();
-        let signed = L::select(lower, zero.sub(inverse), inverse);
-        let (at_origin, slope) = (a.mul(signed), c.mul(signed));
-        slope.store(&mut lines.slope[k], first);
-        if P::CERTIFIED {
-            bound.mul(inverse).store(&mut lines.doubt[k], first);
-        }
-        at_origin.store(&mut lines.start[k], first);
-        lines.lower[k] |= L::bits(lower) << first;
-        // The form's largest value over the grid.
-        let rise = c.mul(L::splat(self.grid.last_row)).max(zero);
-        let most = a.add(rise).add(b.mul(L::splat(self.grid.last_column)).max(zero));
-        L::bits(if P::CERTIFIED { most.add(bound).ge(zero) } else { most.ge(zero) })
+/// Turns one form into a line, writes it, and returns the lanes of which a sample may be on the blocked side.
+#[inline(always)]
+fn line<L: Lanes, P: PrecisionMode, const E: usize>(
+    grid: &LightGrid,
+    k: usize,
+    first: usize,
+    form: Form<L>,
+    mixed: bool,
+    lines: &mut Lines<E>,
+) -> u32 {
+    let zero = L::splat(0.0);
+    let Form { at_origin: a, per_row: c, per_column: b, .. } = form;
+    // Lanes whose receiver is on the other side see the planes turned round.
+    let (a, c, b) = if mixed {
+        let turn = turned::<L>(lines.flipped, first);
+        (a.mul(turn), c.mul(turn), b.mul(turn))
+    } else {
+        (a, c, b)
+    };
+    // A receiver on the edge's own vertex has a bound of zero.
+    let bound = Lanes::max(form.permanent * (COLUMN_ERRORS * L::ROUNDOFF), 1.0e-6);
+    let least = L::splat(if P::CERTIFIED { bound * LEAST_SLOPE } else { 1.0e-6 });
+    let bound = L::splat(bound);
+    let magnitude = b.abs().max(least);
+    let lower = b.ge(zero);
+    let inverse = magnitude.recip();
+    let signed = L::select(lower, zero.sub(inverse), inverse);
+    let (at_origin, slope) = (a.mul(signed), c.mul(signed));
+    slope.store(&mut lines.slope[k], first);
+    if P::CERTIFIED {
+        bound.mul(inverse).store(&mut lines.doubt[k], first);
     }
+    at_origin.store(&mut lines.start[k], first);
+    lines.lower[k] |= L::bits(lower) << first;
+    // The form's largest value over the grid.
+    let rise = c.mul(L::splat(grid.last_row)).max(zero);
+    let most = a.add(rise).add(b.mul(L::splat(grid.last_column)).max(zero));
+    L::bits(if P::CERTIFIED { most.add(bound).ge(zero) } else { most.ge(zero) })
 }
 
 /// The lowest `n` bits; `n ≤ 16`.

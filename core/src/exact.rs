@@ -7,6 +7,8 @@
 //!
 //! With `n(a,b) = (a − p) × (b − a)`, the edge determinant is `n·(L − p)`, and along the light's rows and columns it is
 //! linear: a [`GridForm`]. The plane of the triangle is one too.
+//!
+//! On GPUs the larger functions are not inlined: limbs take many instructions, and kernels would grow tenfold.
 
 use glam::IVec3;
 
@@ -26,14 +28,15 @@ pub struct GridForm<W> {
 
 impl<W: WideInt> GridForm<W> {
     /// Sign at sample (`row`, `column`).
-    #[inline(always)]
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
+    #[cfg_attr(target_arch = "spirv", inline(never))]
     pub fn sign_at(&self, row: i32, column: i32) -> i32 {
         self.at_origin.plus(self.per_row.times(row)).plus(self.per_column.times(column)).sign()
     }
 
     /// The form `n·(L − from)` over the light's samples.
     #[inline(always)]
-    fn along(normal: Normal<W>, from: IVec3, light: &LatticeLight) -> Self {
+    fn along(normal: Normal<W>, from: IVec3, light: LatticeLight) -> Self {
         Self {
             at_origin: dot(normal, light.origin - from),
             per_row: dot(normal, light.step_v),
@@ -53,6 +56,7 @@ impl<W: WideInt> Normal<W> {
     }
 }
 
+#[cfg(not(target_arch = "spirv"))]
 impl Normal<i128> {
     /// The components, each rounded once.
     pub(crate) fn to_f64(self) -> glam::DVec3 {
@@ -73,20 +77,23 @@ pub fn dot<W: WideInt>(Normal(n): Normal<W>, d: IVec3) -> W {
 }
 
 /// The oriented plane through receiver `p` and edge `a → b`, over the light's samples.
-#[inline]
-pub fn edge_form<W: WideInt>(light: &LatticeLight, p: IVec3, a: IVec3, b: IVec3) -> GridForm<W> {
+#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(target_arch = "spirv", inline(never))]
+pub fn edge_form<W: WideInt>(light: LatticeLight, p: IVec3, a: IVec3, b: IVec3) -> GridForm<W> {
     GridForm::along(cross(a - p, b - a), p, light)
 }
 
 /// The oriented plane of the triangle `(a, b, c)`, over the light's samples.
-#[inline]
-pub fn triangle_form<W: WideInt>(light: &LatticeLight, [a, b, c]: [IVec3; 3]) -> GridForm<W> {
+#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(target_arch = "spirv", inline(never))]
+pub fn triangle_form<W: WideInt>(light: LatticeLight, [a, b, c]: [IVec3; 3]) -> GridForm<W> {
     GridForm::along(cross(b - a, c - a), a, light)
 }
 
 /// The side of the triangle's plane on which light samples must lie to be blocked from `p`: the opposite of p's own.
 /// 0 where p lies in the plane, or the triangle has none.
-#[inline]
+#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(target_arch = "spirv", inline(never))]
 pub fn far_side<W: WideInt>(p: IVec3, [a, b, c]: [IVec3; 3]) -> i32 {
     dot(cross::<W>(b - a, c - a), a - p).sign()
 }
@@ -103,8 +110,8 @@ pub fn blocks<W: WideInt>(light: &LatticeLight, p: IVec3, triangle: [IVec3; 3], 
     let (row, column) = (row as i32, column as i32);
     let side = far_side::<W>(p, triangle);
     side != 0
-        && triangle_form::<W>(light, triangle).sign_at(row, column) == side
-        && edge_form::<W>(light, p, a, b).sign_at(row, column) * side >= 0
-        && edge_form::<W>(light, p, b, c).sign_at(row, column) * side >= 0
-        && edge_form::<W>(light, p, c, a).sign_at(row, column) * side >= 0
+        && triangle_form::<W>(*light, triangle).sign_at(row, column) == side
+        && edge_form::<W>(*light, p, a, b).sign_at(row, column) * side >= 0
+        && edge_form::<W>(*light, p, b, c).sign_at(row, column) * side >= 0
+        && edge_form::<W>(*light, p, c, a).sign_at(row, column) * side >= 0
 }

@@ -5,16 +5,20 @@
 //! the height `w` above the light plane in lattice units, positive on the lit side. They are float, and so never decide
 //! a bit: every use carries the error bound of [`FramePoint`].
 
-use glam::{DVec3, IVec3, Vec3};
+use glam::{IVec3, Vec3};
 
+#[cfg(not(target_arch = "spirv"))]
 use crate::{
     exact,
     light::{LatticeLight, MAX_SAMPLES},
 };
+#[cfg(not(target_arch = "spirv"))]
+use glam::DVec3;
 
 /// The frame of one light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C)]
+#[cfg_attr(not(target_arch = "spirv"), repr(C))]
+#[cfg_attr(target_arch = "spirv", repr(C, align(16)))]
 pub struct LightFrame {
     /// Lattice point of sample (0, 0).
     pub origin: IVec3,
@@ -35,6 +39,7 @@ pub struct LightFrame {
 /// Columns, rows and heights per lattice unit: the dual basis of the steps, and the unit normal. On the host, in f64. The
 /// normal's components are right to 2^-53, since the cross product is taken in integers; those of the other two to a few
 /// 2^-53 of `|step|/|step_u × step_v|`.
+#[cfg(not(target_arch = "spirv"))]
 pub(crate) fn axes(light: &LatticeLight) -> [DVec3; 3] {
     let (u, v) = (light.step_u.as_dvec3(), light.step_v.as_dvec3());
     let n = exact::cross::<i128>(light.step_u, light.step_v).to_f64();
@@ -44,6 +49,7 @@ pub(crate) fn axes(light: &LatticeLight) -> [DVec3; 3] {
 
 /// What the rounding of [`axes`] moves on the light, at most, in columns or rows: large only where the steps are all but
 /// parallel.
+#[cfg(not(target_arch = "spirv"))]
 pub(crate) fn skew(light: &LatticeLight) -> f32 {
     let (u, v) = (light.step_u.as_dvec3(), light.step_v.as_dvec3());
     let lengths = u.length() + v.length();
@@ -75,6 +81,7 @@ const DOT_ERROR: f32 = 7.0 * f32::EPSILON;
 
 impl LightFrame {
     /// Computed on the host, in f64, and rounded once to f32.
+    #[cfg(not(target_arch = "spirv"))]
     pub fn new(light: &LatticeLight) -> Self {
         let [along_u, along_v, unit] = axes(light);
         Self {

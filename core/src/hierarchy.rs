@@ -2,13 +2,13 @@
 //!
 //! The paper's grid (section 3.1) pairs triangles and receivers through the cells of a plane. Its extent explodes when
 //! a receiver nears the light plane, and triangles that reach that plane cover every cell. Here the test itself is
-//! indexed instead: triangles in Morton order, [`TILE`] to a node and so on upwards, a node's keys the largest of its
+//! indexed instead: triangles in Morton order, [`NODE`] to a node and so on upwards, a node's keys the largest of its
 //! entries'. There is no topology to store, a level is one pass over the one below, and moved vertices only need
 //! the passes again.
 
 use crate::{
-    lanes::{Lanes, TILE},
-    proj4::{KeyTile, Keys},
+    lanes::Lanes,
+    proj4::{KeyTile, Keys, NODE},
 };
 
 /// Most levels: 16^8 triangles.
@@ -26,7 +26,7 @@ impl Levels {
     /// The layout for `entries` triangles, fewer than 2^32 − 16. No triangles, no levels.
     pub fn of(entries: u32) -> Self {
         let mut levels = Self::default();
-        let mut tiles = entries.div_ceil(TILE as u32);
+        let mut tiles = entries.div_ceil(NODE as u32);
         while tiles > 0 && (levels.count as usize) < MAX_LEVELS {
             let level = levels.count as usize;
             levels.starts[level + 1] = levels.starts[level] + tiles;
@@ -34,9 +34,22 @@ impl Levels {
             if tiles == 1 {
                 break;
             }
-            tiles = tiles.div_ceil(TILE as u32);
+            tiles = tiles.div_ceil(NODE as u32);
         }
         levels
+    }
+
+    /// As words: the starts, and the number.
+    #[inline(always)]
+    pub fn words(&self) -> [u32; MAX_LEVELS + 2] {
+        let s = &self.starts;
+        [s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], s[8], self.count]
+    }
+
+    /// The inverse of [`Levels::words`].
+    #[inline(always)]
+    pub fn from_words(w: [u32; MAX_LEVELS + 2]) -> Self {
+        Self { starts: [w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8]], count: w[9] }
     }
 
     /// Number of levels.
@@ -85,10 +98,8 @@ impl Walk {
         let l = level % MAX_LEVELS;
         self.level = level;
         self.tile[l] = tile;
-        self.bits[l] = match tiles.get((self.levels.starts[l] + tile) as usize) {
-            Some(keys) => keys.dominating::<L>(need),
-            None => 0,
-        };
+        let place = (self.levels.starts[l] + tile) as usize;
+        self.bits[l] = if place < tiles.len() { tiles[place].dominating::<L>(need) } else { 0 };
     }
 
     /// The next tile of triangles of which some may block something: its index, and the bits of those.
@@ -104,7 +115,7 @@ impl Walk {
                 return Some((self.tile[0], bits));
             } else {
                 self.bits[l] = bits & (bits - 1);
-                let entry = self.tile[l] * TILE as u32 + bits.trailing_zeros();
+                let entry = self.tile[l] * NODE as u32 + bits.trailing_zeros();
                 self.enter::<L>(l - 1, entry, tiles, need);
             }
         }

@@ -6,8 +6,12 @@
 
 use crate::real::{Axis, Real};
 
-/// Receivers of a group, children of a node, rows of a chunk: everything comes in tiles of this many.
+/// Receivers of a group, and rows of a chunk: they come in tiles of this many. On a GPU a thread has one of each.
+#[cfg(not(target_arch = "spirv"))]
 pub const TILE: usize = 16;
+/// Receivers of a group, and rows of a chunk: they come in tiles of this many. On a GPU a thread has one of each.
+#[cfg(target_arch = "spirv")]
+pub const TILE: usize = 1;
 
 /// A vector of f32 lanes with the masks and integers that go with it.
 ///
@@ -29,8 +33,8 @@ pub trait Lanes: Copy {
     fn splat(x: f32) -> Self;
     /// The same integer in all lanes.
     fn splat_int(x: i32) -> Self::Ints;
-    /// Lanes `first..first + WIDTH` of a tile; `first` is a multiple of `WIDTH` below [`TILE`].
-    fn load(tile: &[f32; TILE], first: usize) -> Self;
+    /// Lanes `first..first + WIDTH` of a tile; `first` is a multiple of `WIDTH` below N, and N one of [`TILE`].
+    fn load<const N: usize>(tile: &[f32; N], first: usize) -> Self;
     /// As [`Lanes::load`], of integers.
     fn load_ints(tile: &[i32; TILE], first: usize) -> Self::Ints;
     /// Writes lanes `first..first + WIDTH` of a tile.
@@ -88,8 +92,6 @@ pub trait Lanes: Copy {
     }
     /// The largest lane.
     fn largest(self) -> f32;
-    /// Bit l is set where the integers of lane l differ.
-    fn differ(a: Self::Ints, b: Self::Ints) -> u32;
     /// Bit l is set where `a < b` in lane l.
     fn less(a: Self::Ints, b: Self::Ints) -> u32;
     /// Three axes' dot products with four integer vectors, axis-major, rounded to f32.
@@ -117,8 +119,8 @@ impl Lanes for f32 {
         x
     }
     #[inline(always)]
-    fn load(tile: &[f32; TILE], first: usize) -> Self {
-        tile[first % TILE]
+    fn load<const N: usize>(tile: &[f32; N], first: usize) -> Self {
+        tile[first % N]
     }
     #[inline(always)]
     fn load_ints(tile: &[i32; TILE], first: usize) -> i32 {
@@ -227,10 +229,6 @@ impl Lanes for f32 {
         self
     }
     #[inline(always)]
-    fn differ(a: i32, b: i32) -> u32 {
-        (a != b) as u32
-    }
-    #[inline(always)]
     fn less(a: i32, b: i32) -> u32 {
         (a < b) as u32
     }
@@ -238,9 +236,11 @@ impl Lanes for f32 {
 
 /// Sixteen lanes in plain arrays: what the compiler vectorises for instruction sets without an implementation of their
 /// own. Rounds to nearest, as Rust does everywhere.
+#[cfg(not(target_arch = "spirv"))]
 #[derive(Clone, Copy, Debug)]
 pub struct Sixteen([f32; TILE]);
 
+#[cfg(not(target_arch = "spirv"))]
 macro_rules! each {
     ($k:ident => $value:expr) => {{
         let mut out = [Default::default(); TILE];
@@ -253,6 +253,7 @@ macro_rules! each {
     }};
 }
 
+#[cfg(not(target_arch = "spirv"))]
 impl Lanes for Sixteen {
     const WIDTH: usize = TILE;
     const ROUNDOFF: f32 = f32::EPSILON / 2.0;
@@ -269,8 +270,9 @@ impl Lanes for Sixteen {
         [x; TILE]
     }
     #[inline(always)]
-    fn load(tile: &[f32; TILE], _: usize) -> Self {
-        Self(*tile)
+    fn load<const N: usize>(tile: &[f32; N], _: usize) -> Self {
+        const { assert!(N == TILE) }
+        Self(each!(k => tile[k]))
     }
     #[inline(always)]
     fn load_ints(tile: &[i32; TILE], _: usize) -> Self::Ints {
@@ -386,10 +388,6 @@ impl Lanes for Sixteen {
             k += 1;
         }
         largest
-    }
-    #[inline(always)]
-    fn differ(a: Self::Ints, b: Self::Ints) -> u32 {
-        Self::bits(each!(k => a[k] != b[k]))
     }
     #[inline(always)]
     fn less(a: Self::Ints, b: Self::Ints) -> u32 {

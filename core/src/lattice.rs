@@ -2,16 +2,12 @@
 //!
 //! World coordinates are multiplied by a power of two, `2^k`, and rounded once to integers below `2^29`. Everything
 //! that decides a bit is computed from those integers, so that it has one true answer on every processor.
-//!
-//! Why the snap is the same everywhere: `2^k` is a normal number for k in −98..=100, so `y = x·2^k` is exact (or too
-//! small to matter, where a processor flushes denormals); `t = trunc y` is exact; `y − t` is exact; the last step is a
-//! comparison with ½. No result depends on a rounding mode.
+//! Kernels round as [`crate::snap`] does; [`Lattice`] rounds alike, from f64, and says what it refuses.
 
 use glam::{DVec3, IVec3, Vec3};
 use thiserror::Error;
 
-/// Lattice coordinates lie strictly between `-LIMIT` and `LIMIT`: differences fit 31 bits, determinants 94.
-pub const LIMIT: i32 = 1 << 29;
+use crate::snap::{LIMIT, SnapParams};
 
 /// Room left between the given bounds and [`LIMIT`] for the surface lift and the rounding of lights, in lattice units.
 const MARGIN: f64 = 1024.0;
@@ -238,37 +234,6 @@ impl Lattice {
     pub fn to_world(&self, point: IVec3) -> DVec3 {
         self.origin + point.as_dvec3() * self.step()
     }
-}
-
-/// What a kernel needs to snap f32 points.
-#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct SnapParams {
-    /// `2^k`, a normal f32.
-    pub scale: f32,
-}
-
-/// One coordinate of the f32 snap; `None` where it is NaN, infinite or out of range, told by exponent bits.
-#[inline]
-pub fn snap_coordinate(params: &SnapParams, x: f32) -> Option<i32> {
-    const EXPONENT: u32 = 0x7f80_0000;
-    if x.to_bits() & EXPONENT == EXPONENT {
-        return None;
-    }
-    let y = x * params.scale;
-    // Above 2^29 − ½ (a bit pattern, so that an overflow to infinity is caught too) the point is out of range.
-    if y.to_bits() & 0x7fff_ffff >= ((LIMIT as f32) - 0.5).to_bits() {
-        return None;
-    }
-    let t = y as i32;
-    let rest = y - t as f32;
-    Some(if rest >= 0.5 {
-        t + 1
-    } else if rest <= -0.5 {
-        t - 1
-    } else {
-        t
-    })
 }
 
 /// Rounds to the nearest integer, halves away from zero. `|x| < 2^31 − 1`.

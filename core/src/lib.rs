@@ -12,36 +12,56 @@ pub mod bit_mask;
 pub mod doubt;
 pub mod edge_plane;
 pub mod exact;
-pub mod executor;
 pub mod frame;
-pub mod grid;
 pub mod hierarchy;
+pub mod kernel;
 pub mod lanes;
-pub mod lattice;
 pub mod light;
 pub mod mask_word;
 pub mod order;
 pub mod outline;
-pub mod plan;
+pub mod params;
 pub mod precision;
 pub mod proj4;
 pub mod real;
 pub mod row_mask;
-pub mod serial;
 pub mod side;
+pub mod snap;
 pub mod stage;
 pub mod statistics;
 pub mod surface;
+pub mod trace;
+pub mod view;
 pub mod wide;
+
+// What only the host does: no kernel reaches it.
+#[cfg(not(target_arch = "spirv"))]
+pub mod area_light;
+#[cfg(not(target_arch = "spirv"))]
+pub mod executor;
+#[cfg(not(target_arch = "spirv"))]
+pub mod grid;
+#[cfg(not(target_arch = "spirv"))]
+pub mod lattice;
+#[cfg(not(target_arch = "spirv"))]
+pub mod plan;
+#[cfg(not(target_arch = "spirv"))]
+pub mod serial;
 
 pub use glam;
 
-pub use executor::Executor;
 pub use lanes::Lanes;
-pub use lattice::{Bounds, Lattice, LatticeError, SnapError};
-pub use light::{AreaLight, LatticeLight, LightError};
+pub use light::LatticeLight;
 pub use mask_word::{MaskWord, PairWord};
-pub use plan::{IndexKind, Pass, Plan, SceneFacts};
 pub use precision::{Exact, Fast, PrecisionMode};
 pub use statistics::Counts;
 pub use surface::Lift;
+
+#[cfg(not(target_arch = "spirv"))]
+pub use area_light::{AreaLight, LightError};
+#[cfg(not(target_arch = "spirv"))]
+pub use executor::Executor;
+#[cfg(not(target_arch = "spirv"))]
+pub use lattice::{Bounds, Lattice, LatticeError, SnapError};
+#[cfg(not(target_arch = "spirv"))]
+pub use plan::{IndexKind, Pass, Plan, SceneFacts};

@@ -4,7 +4,7 @@
 use crate::{lanes::Lanes, proj4::Keys};
 
 /// A triangle or receiver to be put in order: by code, then by index, so that the order is the same everywhere.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, bytemuck::Pod, bytemuck::Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Entry {
     /// Place on the curve; [`Entry::ABSENT`] for what takes no part.

@@ -42,32 +42,35 @@ const TOUCHING: f32 = 1.0e-3;
 /// from the first row, from the last row (negated), and the height above the light plane (negated).
 pub type Keys = [f32; KEYS];
 
-/// Keys of sixteen entries: key-major, so that lanes compare all entries at once.
+/// Entries of a node.
+pub const NODE: usize = 16;
+
+/// Keys of the entries of a node: key-major, so that lanes compare all entries at once.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[cfg_attr(not(target_arch = "spirv"), repr(C, align(64)))]
 #[cfg_attr(target_arch = "spirv", repr(C))]
 pub struct KeyTile {
     /// `keys[k][entry]`.
-    pub keys: [[f32; TILE]; KEYS],
+    pub keys: [[f32; NODE]; KEYS],
 }
 
 impl KeyTile {
     /// Sixteen entries that do not exist.
-    pub const NOTHING: Self = Self { keys: [[f32::MIN; TILE]; KEYS] };
+    pub const NOTHING: Self = Self { keys: [[f32::MIN; NODE]; KEYS] };
 
-    /// The keys of one entry; `entry < TILE`.
+    /// The keys of one entry; `entry < NODE`.
     #[inline(always)]
     pub fn entry(&self, entry: usize) -> Keys {
-        let e = entry % TILE;
+        let e = entry % NODE;
         [self.keys[0][e], self.keys[1][e], self.keys[2][e], self.keys[3][e], self.keys[4][e]]
     }
 
-    /// Sets one entry; `entry < TILE`.
+    /// Sets one entry; `entry < NODE`.
     #[inline(always)]
     pub fn set(&mut self, entry: usize, keys: &Keys) {
         let mut k = 0;
         while k < KEYS {
-            self.keys[k][entry % TILE] = keys[k];
+            self.keys[k][entry % NODE] = keys[k];
             k += 1;
         }
     }
@@ -77,29 +80,11 @@ impl KeyTile {
     pub fn dominating<L: Lanes>(&self, need: &Keys) -> u32 {
         let mut bits = 0;
         let mut first = 0;
-        while first < TILE {
+        while first < NODE {
             let mut covered = L::load(&self.keys[0], first).ge(L::splat(need[0]));
             let mut k = 1;
             while k < KEYS {
                 covered = L::both(covered, L::load(&self.keys[k], first).ge(L::splat(need[k])));
-                k += 1;
-            }
-            bits |= L::bits(covered) << first;
-            first += L::WIDTH;
-        }
-        bits
-    }
-
-    /// Which of sixteen receivers a triangle with the keys `reach` may block something from.
-    #[inline(always)]
-    pub fn dominated_by<L: Lanes>(&self, reach: &Keys) -> u32 {
-        let mut bits = 0;
-        let mut first = 0;
-        while first < TILE {
-            let mut covered = L::splat(reach[0]).ge(L::load(&self.keys[0], first));
-            let mut k = 1;
-            while k < KEYS {
-                covered = L::both(covered, L::splat(reach[k]).ge(L::load(&self.keys[k], first)));
                 k += 1;
             }
             bits |= L::bits(covered) << first;
@@ -115,13 +100,58 @@ impl KeyTile {
         let mut k = 0;
         while k < KEYS {
             let mut e = 0;
-            while e < TILE {
+            while e < NODE {
                 out[k] = Lanes::max(out[k], self.keys[k][e]);
                 e += 1;
             }
             k += 1;
         }
         out
+    }
+}
+
+/// What the receivers of a group ask for: key-major too.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(not(target_arch = "spirv"), repr(align(64)))]
+pub struct NeedTile([[f32; TILE]; KEYS]);
+
+impl NeedTile {
+    /// Receivers that ask for nothing.
+    pub const NOTHING: Self = Self([[f32::MIN; TILE]; KEYS]);
+
+    /// The keys of one receiver; `lane < TILE`.
+    #[inline(always)]
+    pub fn lane(&self, lane: usize) -> Keys {
+        let (k, l) = (&self.0, lane % TILE);
+        [k[0][l], k[1][l], k[2][l], k[3][l], k[4][l]]
+    }
+
+    /// Sets one receiver; `lane < TILE`.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, keys: &Keys) {
+        let mut k = 0;
+        while k < KEYS {
+            self.0[k][lane % TILE] = keys[k];
+            k += 1;
+        }
+    }
+
+    /// Which of the receivers a triangle with the keys `reach` may block something from.
+    #[inline(always)]
+    pub fn dominated_by<L: Lanes>(&self, reach: &Keys) -> u32 {
+        let mut bits = 0;
+        let mut first = 0;
+        while first < TILE {
+            let mut covered = L::splat(reach[0]).ge(L::load(&self.0[0], first));
+            let mut k = 1;
+            while k < KEYS {
+                covered = L::both(covered, L::splat(reach[k]).ge(L::load(&self.0[k], first)));
+                k += 1;
+            }
+            bits |= L::bits(covered) << first;
+            first += L::WIDTH;
+        }
+        bits
     }
 }
 

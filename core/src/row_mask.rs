@@ -9,13 +9,14 @@ use crate::{
     doubt::{PairForms, PairIntegers},
     edge_plane::Lines,
     lanes::{Lanes, TILE},
-    light::MAX_SAMPLES,
+    light::{LatticeLight, MAX_SAMPLES},
     mask_word::MaskWord,
     outline::Outlines,
     precision::PrecisionMode,
 };
+
 /// Rows of one receiver's mask, and room for one tile more, so that a tile of rows may start at any of the light's.
-pub const MASK_ROWS: usize = MAX_SAMPLES as usize + TILE;
+pub const MASK_ROWS: usize = MAX_SAMPLES as usize + if TILE > 1 { TILE } else { 0 };
 
 /// Rows of one receiver. Those at and beyond the light's hold full words.
 pub type MaskRows<W> = [W; MASK_ROWS];
@@ -34,6 +35,7 @@ struct Bounds<L> {
 #[inline(always)]
 fn bounds<L: Lanes, const E: usize>(
     lines: &Lines<E>,
+    planes: usize,
     lane: usize,
     rows: L,
     columns: u32,
@@ -42,7 +44,7 @@ fn bounds<L: Lanes, const E: usize>(
     let (lowest, highest) = (L::splat(-0.5), L::splat(columns as f32 - 0.5));
     let (mut from_in, mut to_in, mut from_out, mut to_out) = (lowest, highest, lowest, highest);
     let mut k = 0;
-    while k < E {
+    while k < planes {
         let along = L::splat(lines.slope[k][lane]).mul(rows);
         let (start, doubt) = (lines.start[k][lane], if certified { lines.doubt[k][lane] } else { 0.0 });
         let (above, below) = (along.add(L::splat(start + doubt)), along.add(L::splat(start - doubt)));
@@ -75,37 +77,36 @@ pub fn is_full<W: MaskWord>(mask: &MaskRows<W>, columns: u32) -> bool {
     all == W::below(columns)
 }
 
-/// ORs the rows of one triangle into one receiver's mask. `lane` is the receiver's in `lines`. Returns whether the
-/// triangle blocks at least one sample.
+/// ORs the rows of one triangle into one receiver's mask. `lane` is the receiver's in `lines`. Rows in doubt are to be
+/// settled by [`settle_rows`].
 #[inline(always)]
 pub fn fill<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
     lines: &Lines<E>,
+    planes: usize,
     lane: usize,
-    pair: &mut PairIntegers<'_>,
+    light: &LatticeLight,
     mask: &mut MaskRows<W>,
-) -> bool {
+) -> Filled {
     let lane = lane % TILE;
-    let (rows, columns) = (pair.light.rows as usize, pair.light.columns);
-    let (mut relevant, mut unsure) = (false, [0_u32; 2]);
+    let (rows, columns) = (light.rows as usize, light.columns);
+    let mut filled = Filled { relevant: false, unsure: [0; 2] };
     let mut row = 0;
     while row < rows {
-        let Bounds { inner, outer } = bounds::<L, E>(lines, lane, L::count_from(row), columns, P::CERTIFIED);
+        let Bounds { inner, outer } = bounds::<L, E>(lines, planes, lane, L::count_from(row), columns, P::CERTIFIED);
         let (from, to) = columns_of(inner);
         or_spans::<L, W>(from, to, mask, row);
         // Rows beyond the light's hold full words, and are no rows of this triangle.
         let present = if rows - row < 32 { (1 << (rows - row)) - 1 } else { u32::MAX };
-        relevant |= L::less(from, to) & present != 0;
+        filled.relevant |= L::less(from, to) & present != 0;
         if P::CERTIFIED {
             // A row is in doubt where a column lies between its inner and its outer bound.
             let near = inner.0.integer_below(inner.0.sub(outer.0)) | inner.1.integer_above(outer.1.sub(inner.1));
             let possible = L::bits(outer.1.ge(outer.0));
-            unsure[row / 32 % 2] |= (near & possible & present) << (row % 32);
+            filled.unsure[row / 32 % 2] |= (near & possible & present) << (row % 32);
         }
         row += L::WIDTH;
     }
-    // After the loop, so that nothing in it has to outlive a call.
-    let settled = P::CERTIFIED && unsure[0] | unsure[1] != 0 && settle_rows(lines, lane, pair, unsure, mask);
-    relevant | settled
+    filled
 }
 
 /// Decides the columns between inner and outer bounds of the rows in `unsure` (bit k of word w: row `32w + k`). Returns
@@ -113,10 +114,11 @@ pub fn fill<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
 ///
 /// A function of its own, on one lane: few rows come here, and the path of the others stays short.
 #[inline(never)]
-fn settle_rows<W: MaskWord, const E: usize>(
+pub fn settle_rows<W: MaskWord, const E: usize>(
     lines: &Lines<E>,
+    planes: usize,
     lane: usize,
-    pair: &mut PairIntegers<'_>,
+    pair: &mut PairIntegers,
     mut unsure: [u32; 2],
     mask: &mut MaskRows<W>,
 ) -> bool {
@@ -126,23 +128,33 @@ fn settle_rows<W: MaskWord, const E: usize>(
         let word = (unsure[0] == 0) as usize;
         let row = word * 32 + unsure[word].trailing_zeros() as usize;
         unsure[word] &= unsure[word] - 1;
-        let Some(word) = mask.get_mut(row) else { break };
-        let outer = columns_of(bounds::<f32, E>(lines, lane, row as f32, pair.light.columns, true).outer);
-        let doubtful = W::span(outer.0 as u32, outer.1 as u32).without(*word);
-        let found = forms.settle(lines, lane, pair, row, doubtful);
+        if row >= MASK_ROWS {
+            break;
+        }
+        let outer = columns_of(bounds::<f32, E>(lines, planes, lane, row as f32, pair.light.columns, true).outer);
+        let doubtful = W::span(outer.0 as u32, outer.1 as u32).without(mask[row]);
+        let found = forms.settle(lines, planes, lane, pair, row, doubtful);
         relevant |= found != W::EMPTY;
-        *word = word.or(found);
+        mask[row] = mask[row].or(found);
     }
     relevant
 }
 
-/// What the rows of one outlined triangle did to a mask.
+/// What the rows of one triangle did to a mask.
 #[derive(Clone, Copy, Debug)]
 pub struct Filled {
     /// Whether a sample is surely blocked.
     pub relevant: bool,
-    /// Rows with a doubtful column: bit k of word w is the `32w + k`-th from the first that may change.
+    /// Rows with a doubtful column: bit k of word w is the `32w + k`-th from the first that was looked at.
     pub unsure: [u32; 2],
+}
+
+impl Filled {
+    /// Whether a row is in doubt.
+    #[inline(always)]
+    pub fn is_unsure(&self) -> bool {
+        self.unsure[0] | self.unsure[1] != 0
+    }
 }
 
 /// Where columns end: half a column off the grid, so that no column is near, and ends round to 0 or to `columns`.
@@ -172,6 +184,7 @@ impl<L: Lanes> Ends<L> {
 #[inline(always)]
 pub fn fill_outline<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
     outlines: &Outlines<E>,
+    planes: usize,
     lane: usize,
     ends: &Ends<L>,
     mask: &mut MaskRows<W>,
@@ -186,7 +199,7 @@ pub fn fill_outline<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
         let rows = L::count_from(row);
         let (mut from, mut to) = (ends.before_first, ends.after_last);
         let mut k = 0;
-        while k < E {
+        while k < planes {
             let x = L::splat(outlines.slope[k][lane]).mul_add(rows, L::splat(outlines.start[k][lane]));
             if outlines.lower[k] >> lane & 1 == 1 {
                 from = from.max(x);
@@ -223,12 +236,26 @@ fn or_spans<L: Lanes, W: MaskWord>(starts: L::Ints, ends: L::Ints, mask: &mut Ma
     let (mut from, mut to) = ([0_i32; TILE], [0_i32; TILE]);
     L::store_ints(starts, &mut from, 0);
     L::store_ints(ends, &mut to, 0);
-    let Some(words) = mask.get_mut(row..row + L::WIDTH) else { return };
+    or_words(&from, &to, L::WIDTH, mask, row);
+}
+
+/// The same, for `count` rows: as a slice, so that one instruction does them all.
+#[cfg(not(target_arch = "spirv"))]
+#[inline(always)]
+fn or_words<W: MaskWord>(from: &[i32; TILE], to: &[i32; TILE], count: usize, mask: &mut MaskRows<W>, row: usize) {
+    let Some(words) = mask.get_mut(row..row + count) else { return };
     let mut k = 0;
-    while k < L::WIDTH && k < words.len() {
+    while k < count && k < words.len() {
         words[k] = words[k].or(W::span(from[k] as u32, to[k] as u32));
         k += 1;
     }
+}
+
+/// The same, for the one row of a GPU thread, where slices of arrays do not exist.
+#[cfg(target_arch = "spirv")]
+#[inline(always)]
+fn or_words<W: MaskWord>(from: &[i32; TILE], to: &[i32; TILE], _: usize, mask: &mut MaskRows<W>, row: usize) {
+    mask[row % MASK_ROWS] = mask[row % MASK_ROWS].or(W::span(from[0] as u32, to[0] as u32));
 }
 
 /// Decides the columns of the rows in `unsure` (see [`Filled`]) that lie within the band of a bound. Returns whether any is blocked.
@@ -237,8 +264,9 @@ fn or_spans<L: Lanes, W: MaskWord>(starts: L::Ints, ends: L::Ints, mask: &mut Ma
 #[inline(never)]
 pub fn settle_outline<W: MaskWord, const E: usize>(
     outlines: &Outlines<E>,
+    planes: usize,
     lane: usize,
-    pair: &mut PairIntegers<'_>,
+    pair: &mut PairIntegers,
     mut unsure: [u32; 2],
     mask: &mut MaskRows<W>,
 ) -> bool {
@@ -250,10 +278,12 @@ pub fn settle_outline<W: MaskWord, const E: usize>(
         let word = (unsure[0] == 0) as usize;
         let row = outlines.first[lane] as usize + word * 32 + unsure[word].trailing_zeros() as usize;
         unsure[word] &= unsure[word] - 1;
-        let Some(word) = mask.get_mut(row) else { break };
+        if row >= MASK_ROWS {
+            break;
+        }
         let (mut from, mut to) = (-0.5, columns + 0.5);
         let mut k = 0;
-        while k < E {
+        while k < planes {
             let x = outlines.slope[k][lane] * row as f32 + outlines.start[k][lane];
             if outlines.lower[k] >> lane & 1 == 1 {
                 from = Lanes::max(from, x);
@@ -266,9 +296,9 @@ pub fn settle_outline<W: MaskWord, const E: usize>(
         let at_from = (Lanes::ceil(from - 2.0 * band), Lanes::floor(from + band) + 1);
         let at_to = (Lanes::ceil(to - band) - 1, Lanes::floor(to + 2.0 * band));
         let doubtful = span_within::<W>(at_from, pair.light.columns).or(span_within(at_to, pair.light.columns));
-        let found = forms.settle(outlines, lane, pair, row, doubtful.without(*word));
+        let found = forms.settle(outlines, planes, lane, pair, row, doubtful.without(mask[row]));
         relevant |= found != W::EMPTY;
-        *word = word.or(found);
+        mask[row] = mask[row].or(found);
     }
     relevant
 }

@@ -6,15 +6,14 @@ use glam::{IVec3, Vec3};
 use crate::{
     edge_plane::{LightGrid, Occluder},
     executor::Executor,
-    frame::LightFrame,
     lanes::TILE,
-    lattice::SnapParams,
     light::LatticeLight,
     mask_word::MaskWord,
     order::{CodeFrame, Entry, code, sort},
     plan::{Pass, Plan},
     precision::PrecisionMode,
-    proj4::{KeyTile, Keys, NOTHING},
+    proj4::{KeyTile, Keys, NODE, NOTHING},
+    snap::SnapParams,
     stage::{
         Stage,
         build_level::build_level,
@@ -96,7 +95,6 @@ pub struct Serial<'a, W, P> {
     snap: SnapParams,
     lift: Lift,
     grid: LightGrid,
-    frame: LightFrame,
     buffers: Buffers<'a, W>,
     /// What was done so far.
     pub counts: Counts,
@@ -111,7 +109,6 @@ impl<'a, W: MaskWord, P: PrecisionMode> Serial<'a, W, P> {
             snap,
             lift,
             grid: LightGrid::new(light),
-            frame: LightFrame::new(&light),
             buffers,
             counts: Counts::default(),
             precision: core::marker::PhantomData,
@@ -119,14 +116,14 @@ impl<'a, W: MaskWord, P: PrecisionMode> Serial<'a, W, P> {
     }
 
     fn codes(&self) -> CodeFrame {
-        CodeFrame::new(self.frame.scale, [0.0; 2], 1.0)
+        CodeFrame::new(self.grid.frame.scale, [0.0; 2], 1.0)
     }
 
     fn key_triangles(&mut self, pass: &Pass) -> Option<()> {
         let codes = self.codes();
         let b = &mut self.buffers;
         for id in 0..pass.count {
-            let found = key_triangles(id as usize, &self.frame, &self.grid.light, b.vertices, b.triangles);
+            let found = key_triangles(id as usize, &self.grid.frame, &self.grid.light, b.vertices, b.triangles);
             let keys = found.map_or(NOTHING, |(keys, _)| keys);
             let code = if found.is_some() { code(&codes, &keys) } else { Entry::ABSENT };
             *b.triangle_keys.get_mut(id as usize)? = keys;
@@ -143,9 +140,10 @@ impl<'a, W: MaskWord, P: PrecisionMode> Serial<'a, W, P> {
         tiles.fill(KeyTile::NOTHING);
         for (place, entry) in order.iter().enumerate() {
             let id = entry.index as usize;
-            if let Some((_, occluder)) = key_triangles(id, &self.frame, &self.grid.light, b.vertices, b.triangles) {
+            if let Some((_, occluder)) = key_triangles(id, &self.grid.frame, &self.grid.light, b.vertices, b.triangles)
+            {
                 *b.occluders.get_mut(place)? = occluder;
-                tiles.get_mut(place / TILE)?.set(place % TILE, b.triangle_keys.get(id)?);
+                tiles.get_mut(place / NODE)?.set(place % NODE, b.triangle_keys.get(id)?);
             }
         }
         Some(())
@@ -167,7 +165,7 @@ impl<'a, W: MaskWord, P: PrecisionMode> Serial<'a, W, P> {
         let b = &mut self.buffers;
         for id in 0..pass.count {
             let index = pass.first + id;
-            let keys = key_receivers(index as usize, &self.frame, &self.grid.light, b.receivers);
+            let keys = key_receivers(index as usize, &self.grid.frame, &self.grid.light, b.receivers);
             *b.receiver_keys.get_mut(id as usize)? = keys.unwrap_or(NOTHING);
             let code = keys.map_or(Entry::ABSENT, |keys| code(&codes, &keys));
             *b.receiver_order.get_mut(id as usize)? = Entry { code, index: id };
@@ -185,7 +183,11 @@ impl<'a, W: MaskWord, P: PrecisionMode> Serial<'a, W, P> {
             for (lane, entry) in entries.iter().enumerate() {
                 let point = *b.receivers.get((pass.first + entry.index) as usize)?;
                 let keys = b.receiver_keys.get(entry.index as usize)?;
-                group.set(lane, point, (entry.code != Entry::ABSENT).then_some(keys), &light);
+                if entry.code == Entry::ABSENT {
+                    group.set_behind(lane, &light);
+                } else {
+                    group.set(lane, point, keys);
+                }
             }
             resolve::<f32, W, P>(&scene, &mut group);
             self.counts = self.counts.plus(group.counts);

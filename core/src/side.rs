@@ -12,11 +12,12 @@ use glam::Vec3;
 
 use crate::{
     edge_plane::{Occluder, ReceiverTile, cross_magnitudes, float},
-    exact::{self, Wide, WideInt},
+    exact::{self, Wide},
     lanes::{Lanes, TILE},
-    outline::View,
     precision::PrecisionMode,
     real::Real,
+    statistics::Tally,
+    view::View,
 };
 
 /// Lanes on either side of a triangle's plane; those in it are in neither.
@@ -43,7 +44,7 @@ impl Sides {
         receivers: &ReceiverTile,
         occluder: &Occluder,
         wanted: u32,
-        fallbacks: &mut u64,
+        fallbacks: &mut Tally,
     ) -> Self {
         let plane = Plane::of::<L, P>(view, occluder);
         let (mut positive, mut unsure) = (0, 0);
@@ -69,14 +70,12 @@ impl Sides {
 
     /// Decides the lanes in `unsure`. Out of line: few come here.
     #[inline(never)]
-    fn settle(&mut self, occluder: &Occluder, receivers: &ReceiverTile, mut unsure: u32, fallbacks: &mut u64) {
-        let [a, b, c] = occluder.corners();
-        let normal = exact::cross::<Wide>(b - a, c - a);
+    fn settle(&mut self, occluder: &Occluder, receivers: &ReceiverTile, mut unsure: u32, fallbacks: &mut Tally) {
         while unsure != 0 {
             let lane = unsure.trailing_zeros() as usize;
             unsure &= unsure - 1;
             *fallbacks += 1;
-            let sign = exact::dot(normal, a - receivers.point(lane)).sign();
+            let sign = exact::far_side::<Wide>(receivers.point(lane), occluder.corners());
             self.positive |= ((sign > 0) as u32) << lane;
             self.negative |= ((sign < 0) as u32) << lane;
         }

@@ -1,17 +1,24 @@
 //! What a run did, in counts.
 
+/// A count. A GPU thread counts what one receiver does, without 64-bit integers.
+#[cfg(not(target_arch = "spirv"))]
+pub type Tally = u64;
+/// A count. A GPU thread counts what one receiver does, without 64-bit integers.
+#[cfg(target_arch = "spirv")]
+pub type Tally = u32;
+
 /// Counts of one run. A pair is a receiver and a triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Pairs on which the full-coverage test was asked.
-    pub pairs_tested: u64,
+    pub pairs_tested: Tally,
     /// Pairs that passed it: their planes were set up.
-    pub pairs_kept: u64,
+    pub pairs_kept: Tally,
     /// Pairs of which at least one light sample is blocked. (Where the sample is doubtful, and another triangle blocks it
     /// already, the pair is not looked at again and not counted.)
-    pub pairs_relevant: u64,
+    pub pairs_relevant: Tally,
     /// Signs that f32 could not certify and that were redone in integers.
-    pub fallbacks: u64,
+    pub fallbacks: Tally,
 }
 
 impl Counts {

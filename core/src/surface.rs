@@ -33,6 +33,7 @@ impl Lift {
     }
 
     /// A lift that also makes up for `error` lattice units a coordinate, from other roundings; none stays none.
+    #[cfg(not(target_arch = "spirv"))]
     pub(crate) fn with_error(self, error: f64) -> Self {
         if self == Self::NONE { self } else { Self(self.0 + 3 * (error as i32 + 1)) }
     }

@@ -26,6 +26,7 @@ pub trait WideInt: Copy {
     fn sign(self) -> i32;
 }
 
+#[cfg(not(target_arch = "spirv"))]
 impl WideInt for i128 {
     /// Half the width: a product with an i32 is then one instruction.
     type Area = i64;

@@ -13,7 +13,6 @@ use rayon::prelude::*;
 use umbra4_core::{
     Counts, MaskWord, PrecisionMode,
     edge_plane::{LightGrid, Occluder},
-    frame::LightFrame,
     glam::IVec3,
     grid::{CellRange, Extent, FrameBuffer, FramePlane, MAX_CELLS},
     lanes::TILE,
@@ -82,7 +81,6 @@ pub(crate) struct CellsInput<'a> {
     pub(crate) options: GridOptions,
     pub(crate) isa: Isa,
     pub(crate) light: &'a LightGrid,
-    pub(crate) frame: &'a LightFrame,
     pub(crate) triangles: &'a [Option<(Keys, Occluder)>],
     /// The block's receivers.
     pub(crate) points: &'a [IVec3],
@@ -182,7 +180,7 @@ impl Cells {
     /// Algorithm 1, lines 3 to 6.
     pub(crate) fn define_frame(&mut self, input: &CellsInput<'_>) {
         let highest = input.keys.par_iter().flatten().map(|keys| -keys[4]).reduce(|| 0.0, f32::max);
-        let plane = FramePlane::new(input.frame, highest);
+        let plane = FramePlane::new(&input.light.frame, highest);
         let extent =
             input.keys.par_iter().flatten().map(|keys| plane.stretch(keys)).reduce(|| Extent::EMPTY, Extent::union);
         self.buffer = Some(FrameBuffer::new(plane, extent, input.options.cells));
@@ -277,7 +275,10 @@ impl Cells {
                     (**group).clone_from(&empty);
                     for (lane, &index) in tile.iter().enumerate() {
                         let index = index as usize;
-                        group.set(lane, input.points[index], input.keys[index].as_ref(), light);
+                        match &input.keys[index] {
+                            Some(keys) => group.set(lane, input.points[index], keys),
+                            None => group.set_behind(lane, light),
+                        }
                     }
                     input.isa.resolve_cell::<W, P>(&scene, list, group);
                     for (lane, &index) in tile.iter().enumerate() {

@@ -6,10 +6,9 @@ use rayon::prelude::*;
 use umbra4_core::{
     Counts, Executor, LatticeLight, MaskWord, Pass, Plan, PrecisionMode,
     edge_plane::{LightGrid, Occluder},
-    frame::LightFrame,
     lanes::TILE,
     order::Entry,
-    proj4::{KeyTile, Keys},
+    proj4::{KeyTile, Keys, NODE},
     stage::{
         Stage,
         build_level::build_level,
@@ -45,7 +44,6 @@ pub(crate) struct Run<'a, W, P, V> {
     receivers: &'a Receivers,
     visit: &'a V,
     grid: LightGrid,
-    frame: LightFrame,
     triangles: Vec<Option<(Keys, Occluder)>>,
     in_order: Vec<Occluder>,
     nodes: Vec<KeyTile>,
@@ -70,7 +68,6 @@ impl<'a, W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, 
             receivers,
             visit,
             grid: LightGrid::new(light),
-            frame: LightFrame::new(&light),
             triangles: Vec::new(),
             in_order: Vec::new(),
             nodes: Vec::new(),
@@ -93,18 +90,18 @@ impl<'a, W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, 
         let (vertices, triangles) = (self.occluders.vertices(), self.occluders.triangles());
         (0..count)
             .into_par_iter()
-            .map(|id| key_triangles(id, &self.frame, &self.grid.light, vertices, triangles))
+            .map(|id| key_triangles(id, &self.grid.frame, &self.grid.light, vertices, triangles))
             .collect_into_vec(&mut self.triangles);
     }
 
     fn order_triangles(&mut self) {
         let keys: Vec<Option<Keys>> = self.triangles.par_iter().map(|found| found.map(|(keys, _)| keys)).collect();
-        let order = ordered(&self.frame, &keys);
+        let order = ordered(&self.grid.frame, &keys);
         let found: Vec<&(Keys, Occluder)> =
             order.iter().map_while(|entry| self.triangles[entry.index as usize].as_ref()).collect();
         self.in_order = found.iter().map(|(_, occluder)| *occluder).collect();
         self.nodes = vec![KeyTile::NOTHING; self.how.plan.levels().tiles()];
-        for (tile, entries) in self.nodes.iter_mut().zip(found.chunks(TILE)) {
+        for (tile, entries) in self.nodes.iter_mut().zip(found.chunks(NODE)) {
             for (entry, (keys, _)) in entries.iter().enumerate() {
                 tile.set(entry, keys);
             }
@@ -125,7 +122,7 @@ impl<'a, W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, 
         let points = &self.receivers.points()[first..first + count];
         (0..count)
             .into_par_iter()
-            .map(|id| key_receivers(id, &self.frame, &self.grid.light, points))
+            .map(|id| key_receivers(id, &self.grid.frame, &self.grid.light, points))
             .collect_into_vec(&mut self.receiver_keys);
     }
 
@@ -148,7 +145,10 @@ impl<'a, W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, 
                     (**group).clone_from(&empty);
                     for (lane, entry) in entries.iter().enumerate() {
                         let index = entry.index as usize;
-                        group.set(lane, points[first + index], keys[index].as_ref(), light);
+                        match &keys[index] {
+                            Some(keys) => group.set(lane, points[first + index], keys),
+                            None => group.set_behind(lane, light),
+                        }
                     }
                     isa.resolve::<W, P>(&scene, group);
                     counts = counts.plus(group.counts);
@@ -177,7 +177,6 @@ impl<W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'_, W, P, V
             options,
             isa: self.how.isa,
             light: &self.grid,
-            frame: &self.frame,
             triangles: &self.triangles,
             points: &self.receivers.points()[first..][..self.receiver_keys.len()],
             keys: &self.receiver_keys,
@@ -209,7 +208,7 @@ impl<W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Executor for Ru
             Stage::OrderTriangles => self.order_triangles(),
             Stage::BuildLevel => self.build_level(first),
             Stage::KeyReceivers => self.key_receivers(first, count),
-            Stage::OrderReceivers => self.receiver_order = ordered(&self.frame, &self.receiver_keys),
+            Stage::OrderReceivers => self.receiver_order = ordered(&self.grid.frame, &self.receiver_keys),
             Stage::Resolve => self.resolve(first),
             Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells => {
                 self.run_cells(pass.stage, first)?;

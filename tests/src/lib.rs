@@ -13,6 +13,7 @@
 
 pub mod bigint;
 pub mod compare;
+pub mod gpu;
 pub mod hard_cases;
 pub mod ledger;
 pub mod meshes;

@@ -3,7 +3,7 @@
 use umbra4_core::{
     AreaLight, Bounds, Lattice, LatticeLight, Lift,
     glam::{DVec3, IVec3, Vec3},
-    lattice::LIMIT,
+    snap::LIMIT,
 };
 use umbra4_cpu::{Occluders, Receivers};
 

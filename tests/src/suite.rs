@@ -6,10 +6,10 @@ use bytemuck::Zeroable;
 use umbra4_core::{
     Exact, IndexKind, Lift, MaskWord, Plan, SceneFacts,
     edge_plane::Occluder,
-    lattice::SnapParams,
     order::Entry,
     proj4::{KeyTile, NOTHING},
     serial::{Buffers, Serial},
+    snap::SnapParams,
 };
 use umbra4_cpu::{Binning, CpuExecutor, GridOptions, Index, Isa, Rows};
 

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use umbra4_core::{
     AreaLight, Bounds, Lattice, LatticeError, Lift, SnapError,
     glam::{DVec3, IVec3, Vec3},
-    lattice::{LIMIT, snap_coordinate},
+    snap::{LIMIT, snap_coordinate},
 };
 use umbra4_tests::bigint;
 

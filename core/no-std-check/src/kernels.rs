@@ -6,7 +6,7 @@ use umbra4_core::{
     frame::LightFrame,
     glam::{IVec3, Vec3},
     lanes::Sixteen,
-    lattice::SnapParams,
+    snap::SnapParams,
     order::{CodeFrame, code},
     proj4::{KeyTile, Keys},
     serial::{Serial, SerialError},
@@ -105,7 +105,10 @@ macro_rules! instantiate {
                 keys: Option<&Keys>,
                 light: &LatticeLight,
             ) {
-                group.set(lane, point, keys, light);
+                match keys {
+                    Some(keys) => group.set(lane, point, keys),
+                    None => group.set_behind(lane, light),
+                }
             }
 
             #[unsafe(export_name = concat!("check_resolve_sixteen_", stringify!($module)))]

@@ -21,6 +21,12 @@ pub fn key_triangles(
 ) -> Option<(Keys, Occluder)> {
     let [a, b, c] = *triangles.get(id)?;
     let corners = [*vertices.get(a as usize)?, *vertices.get(b as usize)?, *vertices.get(c as usize)?];
+    keys_of(frame, light, corners)
+}
+
+/// As [`key_triangles`], of a triangle given by its corners.
+#[inline]
+pub fn keys_of(frame: &LightFrame, light: &LatticeLight, corners: [IVec3; 3]) -> Option<(Keys, Occluder)> {
     let keys = triangle_keys(frame, &corners)?;
     Some((keys, Occluder::facing(light, corners)?))
 }

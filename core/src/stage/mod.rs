@@ -8,6 +8,7 @@ pub mod key_receivers;
 pub mod key_triangles;
 pub mod reduce;
 pub mod resolve;
+#[cfg(not(target_arch = "spirv"))]
 pub mod resolve_cells;
 pub mod snap_receivers;
 pub mod snap_vertices;

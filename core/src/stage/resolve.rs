@@ -1,8 +1,9 @@
 //! Stage `resolve`: the masks of a group of sixteen receivers.
 //!
 //! Seed: Wang et al. 2016, Algorithm 3. Lines 2 to 4 (the cells' lists) become a walk over the hierarchy for the whole
-//! group; line 5 is the same test; lines 7 to 17 are `edge_plane` and `row_mask`. A receiver whose mask is full drops
-//! out, and the walk ends with the last of them.
+//! group; line 5 is the same test; lines 7 to 17 are `outline` where all corners rise towards the light, else `side` and
+//! `edge_plane`; then `row_mask`, and `doubt` where a float cannot tell. A receiver whose mask is full drops out, and
+//! the walk ends with the last of them.
 
 use crate::{
     bit_mask,
@@ -12,13 +13,14 @@ use crate::{
     lanes::{Lanes, TILE},
     light::LatticeLight,
     mask_word::MaskWord,
-    outline::{Outlines, Seen, View},
+    outline::{Outlines, Seen},
     precision::PrecisionMode,
-    proj4::{KeyTile, Keys, least},
+    proj4::{KeyTile, Keys, NODE, NeedTile, least},
     real::Real,
     row_mask::{self, Ends, MASK_ROWS, MaskRows},
     side::Sides,
-    statistics::Counts,
+    statistics::{Counts, Tally},
+    view::View,
 };
 
 /// The triangles of a scene as one light sees them.
@@ -40,7 +42,7 @@ pub struct Group<W> {
     /// Lattice positions.
     pub receivers: ReceiverTile,
     /// What each asks of the full-coverage test.
-    pub needs: KeyTile,
+    pub needs: NeedTile,
     /// Bit l: lane l holds a receiver whose mask is not full yet.
     pub active: u32,
     /// Bit l: lane l's mask has changed since it was last compared with a full one.
@@ -57,12 +59,14 @@ impl<W: MaskWord> Group<W> {
     /// A group without receivers, for a light with `rows` rows.
     pub fn empty(rows: u32) -> Self {
         let mut mask = [W::below(W::BITS); MASK_ROWS];
-        for word in mask.iter_mut().take(rows as usize) {
-            *word = W::EMPTY;
+        let mut row = 0;
+        while row < rows as usize && row < MASK_ROWS {
+            mask[row] = W::EMPTY;
+            row += 1;
         }
         Self {
             receivers: ReceiverTile::EMPTY,
-            needs: KeyTile::NOTHING,
+            needs: NeedTile::NOTHING,
             active: 0,
             touched: 0,
             masks: [mask; TILE],
@@ -73,18 +77,19 @@ impl<W: MaskWord> Group<W> {
 }
 
 impl<W: MaskWord> Group<W> {
-    /// Puts a receiver into a lane; without keys it is behind the light, and its mask is full at once. `lane < TILE`.
+    /// Puts a receiver into a lane. `lane < TILE`.
     #[inline(always)]
-    pub fn set(&mut self, lane: usize, point: glam::IVec3, keys: Option<&Keys>, light: &LatticeLight) {
+    pub fn set(&mut self, lane: usize, point: glam::IVec3, keys: &Keys) {
         let lane = lane % TILE;
-        match keys {
-            Some(keys) => {
-                self.receivers.set(lane, point);
-                self.needs.set(lane, keys);
-                self.active |= 1 << lane;
-            }
-            None => self.masks[lane] = [W::below(light.columns); MASK_ROWS],
-        }
+        self.receivers.set(lane, point);
+        self.needs.set(lane, keys);
+        self.active |= 1 << lane;
+    }
+
+    /// Puts a receiver behind the light into a lane: its mask is full at once. `lane < TILE`.
+    #[inline(always)]
+    pub fn set_behind(&mut self, lane: usize, light: &LatticeLight) {
+        self.masks[lane % TILE] = [W::below(light.columns); MASK_ROWS];
     }
 }
 
@@ -94,7 +99,7 @@ impl<W> Group<W> {
     pub(crate) fn sum_relevant(&mut self) {
         let (mut sum, mut lane) = (0, 0);
         while lane < TILE {
-            sum += u64::from(self.relevant[lane]);
+            sum += Tally::from(self.relevant[lane]);
             lane += 1;
         }
         self.counts.pairs_relevant = sum;
@@ -111,33 +116,58 @@ impl<W> Group<W> {
 /// Fills the masks of a group.
 #[inline(always)]
 pub fn resolve<L: Lanes, W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
+    let Occlusion { grid, levels, nodes, occluders } = scene;
+    resolve_among::<L, W, P>(grid, levels, nodes, occluders, group);
+}
+
+/// As [`resolve`], for a GPU, where no structure holds slices.
+#[inline(always)]
+pub fn resolve_among<L: Lanes, W: MaskWord, P: PrecisionMode>(
+    grid: &LightGrid,
+    levels: &Levels,
+    nodes: &[KeyTile],
+    occluders: &[Occluder],
+    group: &mut Group<W>,
+) {
     if group.active != 0 {
-        descend::<L, W, P>(scene, group);
+        descend::<L, W, P>(grid, levels, nodes, occluders, group);
     }
     group.sum_relevant();
 }
 
 /// Walks the hierarchy until no node is left, or no receiver.
 #[inline(always)]
-fn descend<L: Lanes, W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
+fn descend<L: Lanes, W: MaskWord, P: PrecisionMode>(
+    grid: &LightGrid,
+    levels: &Levels,
+    nodes: &[KeyTile],
+    occluders: &[Occluder],
+    group: &mut Group<W>,
+) {
     let need = group_need(group.active, &group.needs);
-    let mut walk = Walk::new::<L>(scene.levels, scene.nodes, &need);
-    let mut meeting = Meeting::<L::Long>::new::<L, W, P>(scene.grid, group);
-    while let Some((tile, mut bits)) = walk.next::<L>(scene.nodes, &need) {
-        let Some(keys) = scene.nodes.get(tile as usize) else { return };
+    let mut walk = Walk::new::<L>(levels, nodes, &need);
+    let mut meeting = Meeting::<L::Long>::new::<L, W, P>(grid, group);
+    while let Some((tile, mut bits)) = walk.next::<L>(nodes, &need) {
+        if tile as usize >= nodes.len() {
+            return;
+        }
+        let keys = &nodes[tile as usize];
         while bits != 0 {
             let entry = bits.trailing_zeros() as usize;
             bits &= bits - 1;
-            group.counts.pairs_tested += u64::from(group.active.count_ones());
+            group.counts.pairs_tested += Tally::from(group.active.count_ones());
             let kept = group.needs.dominated_by::<L>(&keys.entry(entry)) & group.active;
             if kept == 0 {
                 continue;
             }
-            group.counts.pairs_kept += u64::from(kept.count_ones());
-            let Some(occluder) = scene.occluders.get(tile as usize * TILE + entry) else { return };
-            meeting.meet::<L, W, P>(scene.grid, occluder, kept, group);
+            group.counts.pairs_kept += Tally::from(kept.count_ones());
+            let place = tile as usize * NODE + entry;
+            if place >= occluders.len() {
+                return;
+            }
+            meeting.meet::<L, W, P>(grid, &occluders[place], kept, group);
         }
-        drop_full(scene.grid.light.columns, group);
+        drop_full(grid.light.columns, group);
         if group.active == 0 {
             return;
         }
@@ -159,12 +189,12 @@ fn drop_full<W: MaskWord>(columns: u32, group: &mut Group<W>) {
 
 /// The least that any active receiver asks for.
 #[inline(always)]
-fn group_need(active: u32, needs: &KeyTile) -> Keys {
+fn group_need(active: u32, needs: &NeedTile) -> Keys {
     let mut need = [f32::MAX; crate::proj4::KEYS];
     let mut lane = 0;
     while lane < TILE {
         if active >> lane & 1 == 1 {
-            need = least(&need, &needs.entry(lane));
+            need = least(&need, &needs.lane(lane));
         }
         lane += 1;
     }
@@ -197,10 +227,13 @@ impl<R: Real> Meeting<R> {
         group: &mut Group<W>,
     ) {
         let Self { view, three, four } = self;
-        if occluder.is_mixed() {
-            four.meet::<L, W, P>(grid, view, occluder, kept, group);
+        if TILE == 1 {
+            // One code for both: a kernel of half the size.
+            four.meet::<L, W, P>(grid, view, occluder, occluder.is_mixed(), kept, group);
+        } else if occluder.is_mixed() {
+            four.meet::<L, W, P>(grid, view, occluder, true, kept, group);
         } else {
-            three.meet::<L, W, P>(grid, view, occluder, kept, group);
+            three.meet::<L, W, P>(grid, view, occluder, false, kept, group);
         }
     }
 
@@ -215,13 +248,13 @@ impl<R: Real> Meeting<R> {
     ) {
         let fallbacks = &mut group.counts.fallbacks;
         let sides = Sides::of::<L, P>(&self.view, &group.receivers, occluder, kept, fallbacks);
-        let planes = PairPlanes::new(grid, &group.receivers, occluder);
+        let planes = PairPlanes::new(&group.receivers, occluder);
         if occluder.is_mixed() {
-            let alive = planes.lines::<L, P, 4>(sides, &mut self.four.lines);
-            fill_by_planes::<L, W, P, 4, true>(grid, occluder, alive, &self.four.lines, group);
+            let alive = planes.lines::<L, P, 4>(grid, &group.receivers, sides, true, &mut self.four.lines);
+            fill_bits_by_planes::<L, W, P, 4>(grid, occluder, alive, &self.four.lines, group);
         } else {
-            let alive = planes.lines::<L, P, 3>(sides, &mut self.three.lines);
-            fill_by_planes::<L, W, P, 3, true>(grid, occluder, alive, &self.three.lines, group);
+            let alive = planes.lines::<L, P, 3>(grid, &group.receivers, sides, false, &mut self.three.lines);
+            fill_bits_by_planes::<L, W, P, 3>(grid, occluder, alive, &self.three.lines, group);
         }
     }
 }
@@ -237,31 +270,40 @@ struct Room<const E: usize> {
 impl<const E: usize> Room<E> {
     const EMPTY: Self = Self { outlines: Outlines::EMPTY, lines: Lines::EMPTY };
 
-    /// One triangle against the receivers in `kept`: by its outline, and where that says nothing by its planes.
+    /// One triangle against the receivers in `kept`: by its outline, and where that says nothing by its planes. `mixed` tells
+    /// whether its own plane is one of them (a constant, where the room has no other use).
     #[inline(always)]
     fn meet<L: Lanes, W: MaskWord, P: PrecisionMode>(
         &mut self,
         grid: &LightGrid,
         view: &View<L::Long>,
         occluder: &Occluder,
+        mixed: bool,
         kept: u32,
         group: &mut Group<W>,
     ) {
         let Self { outlines, lines } = self;
-        let Seen { outlined, unknown } = outlines.outline::<L, P>(grid, view, occluder, kept);
-        fill_outlines::<L, W, P, E>(grid, occluder, outlined, outlines, group);
-        if unknown == 0 {
-            return;
+        let planes = 3 + mixed as usize;
+        let Seen { mut outlined, unknown } = outlines.outline::<L, P>(grid, view, occluder, mixed, kept);
+        if TILE > 1 {
+            // What is taken over below lies in the same room. A single lane is either outlined or unknown.
+            fill_outlines::<L, W, P, E>(grid, occluder, planes, outlined, outlines, group);
+            outlined = 0;
         }
-        let sides = Sides::of::<L, P>(view, &group.receivers, occluder, unknown, &mut group.counts.fallbacks);
-        if sides.positive == 0 && (E == 3 || sides.negative == 0) {
-            return;
+        let mut alive = 0;
+        if unknown != 0 {
+            let sides = Sides::of::<L, P>(view, &group.receivers, occluder, unknown, &mut group.counts.fallbacks);
+            if sides.positive != 0 || (mixed && sides.negative != 0) {
+                let found = PairPlanes::new(&group.receivers, occluder);
+                alive = found.lines::<L, P, E>(grid, &group.receivers, sides, mixed, lines);
+            }
+            if alive != 0 {
+                outlined |= outlines.take_over::<L, P>(lines, &grid.light, planes, alive);
+            }
         }
-        let alive = PairPlanes::new(grid, &group.receivers, occluder).lines::<L, P, E>(sides, lines);
-        if alive != 0 {
-            let taken = outlines.take_over::<L, P>(lines, &grid.light, alive);
-            fill_outlines::<L, W, P, E>(grid, occluder, taken, outlines, group);
-            fill_by_planes::<L, W, P, E, false>(grid, occluder, alive & !taken, lines, group);
+        if TILE == 1 || unknown != 0 {
+            fill_outlines::<L, W, P, E>(grid, occluder, planes, outlined, outlines, group);
+            fill_by_planes::<L, W, P, E>(grid, occluder, planes, alive & !outlined, lines, group);
         }
     }
 }
@@ -271,6 +313,7 @@ impl<const E: usize> Room<E> {
 fn fill_outlines<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
     grid: &LightGrid,
     occluder: &Occluder,
+    planes: usize,
     mut outlined: u32,
     outlines: &Outlines<E>,
     group: &mut Group<W>,
@@ -279,16 +322,13 @@ fn fill_outlines<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
     while outlined != 0 {
         let lane = outlined.trailing_zeros() as usize % TILE;
         outlined &= outlined - 1;
-        let filled = row_mask::fill_outline::<L, W, P, E>(outlines, lane, &ends, &mut group.masks[lane]);
+        let filled = row_mask::fill_outline::<L, W, P, E>(outlines, planes, lane, &ends, &mut group.masks[lane]);
         let mut relevant = filled.relevant;
-        if P::CERTIFIED && filled.unsure[0] | filled.unsure[1] != 0 {
-            let mut pair = PairIntegers {
-                light: &grid.light,
-                receivers: &group.receivers,
-                occluder,
-                fallbacks: &mut group.counts.fallbacks,
-            };
-            relevant |= row_mask::settle_outline(outlines, lane, &mut pair, filled.unsure, &mut group.masks[lane]);
+        if P::CERTIFIED && filled.is_unsure() {
+            let mut pair = PairIntegers::new(&grid.light, &group.receivers, occluder, lane);
+            relevant |=
+                row_mask::settle_outline(outlines, planes, lane, &mut pair, filled.unsure, &mut group.masks[lane]);
+            group.counts.fallbacks += pair.fallbacks;
         }
         group.tell(lane, relevant);
     }
@@ -296,7 +336,31 @@ fn fill_outlines<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
 
 /// The receivers in `alive`, by the lines of a triangle's planes, each with its own doubt.
 #[inline(always)]
-fn fill_by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize, const BITS: bool>(
+fn fill_by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
+    grid: &LightGrid,
+    occluder: &Occluder,
+    planes: usize,
+    mut alive: u32,
+    lines: &Lines<E>,
+    group: &mut Group<W>,
+) {
+    while alive != 0 {
+        let lane = alive.trailing_zeros() as usize % TILE;
+        alive &= alive - 1;
+        let filled = row_mask::fill::<L, W, P, E>(lines, planes, lane, &grid.light, &mut group.masks[lane]);
+        let mut relevant = filled.relevant;
+        if P::CERTIFIED && filled.is_unsure() {
+            let mut pair = PairIntegers::new(&grid.light, &group.receivers, occluder, lane);
+            relevant |= row_mask::settle_rows(lines, planes, lane, &mut pair, filled.unsure, &mut group.masks[lane]);
+            group.counts.fallbacks += pair.fallbacks;
+        }
+        group.tell(lane, relevant);
+    }
+}
+
+/// As [`fill_by_planes`], one light sample at a time.
+#[inline(always)]
+fn fill_bits_by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
     grid: &LightGrid,
     occluder: &Occluder,
     mut alive: u32,
@@ -306,18 +370,9 @@ fn fill_by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize, const
     while alive != 0 {
         let lane = alive.trailing_zeros() as usize % TILE;
         alive &= alive - 1;
-        let mut pair = PairIntegers {
-            light: &grid.light,
-            receivers: &group.receivers,
-            occluder,
-            fallbacks: &mut group.counts.fallbacks,
-        };
-        let mask = &mut group.masks[lane];
-        let relevant = if BITS {
-            bit_mask::fill_bits::<L, W, P, E>(lines, lane, &mut pair, mask)
-        } else {
-            row_mask::fill::<L, W, P, E>(lines, lane, &mut pair, mask)
-        };
+        let mut pair = PairIntegers::new(&grid.light, &group.receivers, occluder, lane);
+        let relevant = bit_mask::fill_bits::<L, W, P, E>(lines, lane, &mut pair, &mut group.masks[lane]);
+        group.counts.fallbacks += pair.fallbacks;
         group.tell(lane, relevant);
     }
 }

@@ -11,6 +11,7 @@ use crate::{
     precision::PrecisionMode,
     proj4::Keys,
     stage::resolve::{Group, Meeting},
+    statistics::Tally,
 };
 
 /// How a mask is filled.
@@ -52,7 +53,7 @@ pub fn resolve_cell<L: Lanes, W: MaskWord, P: PrecisionMode>(
         let found = scene.triangles.get(list[at] as usize);
         at += 1;
         let Some(Some((keys, occluder))) = found else { continue };
-        group.counts.pairs_tested += u64::from(group.active.count_ones());
+        group.counts.pairs_tested += Tally::from(group.active.count_ones());
         let mut kept = group.active;
         if scene.early_rejection {
             kept &= group.needs.dominated_by::<L>(keys);
@@ -60,7 +61,7 @@ pub fn resolve_cell<L: Lanes, W: MaskWord, P: PrecisionMode>(
         if kept == 0 {
             continue;
         }
-        group.counts.pairs_kept += u64::from(kept.count_ones());
+        group.counts.pairs_kept += Tally::from(kept.count_ones());
         match scene.rows {
             Rows::Words => meeting.meet::<L, W, P>(scene.grid, occluder, kept, group),
             Rows::Bits => meeting.meet_bits::<L, W, P>(scene.grid, occluder, kept, group),

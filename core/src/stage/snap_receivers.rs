@@ -3,7 +3,7 @@
 use glam::{IVec3, Vec3};
 
 use crate::{
-    lattice::SnapParams,
+    snap::SnapParams,
     stage::snap_vertices::snap_vertices,
     surface::{self, Lift},
 };

@@ -2,7 +2,7 @@
 
 use glam::{IVec3, Vec3};
 
-use crate::lattice::{SnapParams, snap_coordinate};
+use crate::snap::{SnapParams, snap_coordinate};
 
 /// Rounds point `id`; `None` where it is NaN, infinite or outside the lattice (or there is no such point).
 #[inline]

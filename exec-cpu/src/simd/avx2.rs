@@ -39,7 +39,8 @@ impl Lanes for Avx2 {
         intrinsics!(Pair(_mm256_set1_epi32(x), _mm256_set1_epi32(x)))
     }
     #[inline(always)]
-    fn load(tile: &[f32; TILE], _: usize) -> Self {
+    fn load<const N: usize>(tile: &[f32; N], _: usize) -> Self {
+        const { assert!(N == TILE) }
         intrinsics!(Self(_mm256_loadu_ps(tile.as_ptr()), _mm256_loadu_ps(tile.as_ptr().add(HALF))))
     }
     #[inline(always)]
@@ -194,11 +195,6 @@ impl Lanes for Avx2 {
             let two = _mm_max_ps(four, _mm_movehl_ps(four, four));
             _mm_cvtss_f32(_mm_max_ss(two, _mm_movehdup_ps(two)))
         })
-    }
-    #[inline(always)]
-    fn differ(a: Pair, b: Pair) -> u32 {
-        let same = intrinsics!(Pair(_mm256_cmpeq_epi32(a.0, b.0), _mm256_cmpeq_epi32(a.1, b.1)));
-        !Self::bits(same) & 0xffff
     }
     #[inline(always)]
     fn less(a: Pair, b: Pair) -> u32 {

@@ -33,7 +33,8 @@ impl Lanes for Avx512 {
         intrinsics!(_mm512_set1_epi32(x))
     }
     #[inline(always)]
-    fn load(tile: &[f32; TILE], _: usize) -> Self {
+    fn load<const N: usize>(tile: &[f32; N], _: usize) -> Self {
+        const { assert!(N == TILE) }
         intrinsics!(Self(_mm512_loadu_ps(tile.as_ptr())))
     }
     #[inline(always)]
@@ -164,10 +165,6 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn largest(self) -> f32 {
         intrinsics!(_mm512_reduce_max_ps(self.0))
-    }
-    #[inline(always)]
-    fn differ(a: __m512i, b: __m512i) -> u32 {
-        intrinsics!(u32::from(_mm512_cmpneq_epi32_mask(a, b)))
     }
     #[inline(always)]
     fn less(a: __m512i, b: __m512i) -> u32 {

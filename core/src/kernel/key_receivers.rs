@@ -1,0 +1,28 @@
+//! Kernel `key_receivers`: keys and place on the curve of one receiver.
+
+use crate::{
+    exact::{self, Wide},
+    kernel::{point, store},
+    order::{Entry, code},
+    params::Params,
+    proj4::{Keys, NOTHING, receiver_keys},
+};
+
+/// Receiver `first + id` of a block; those behind the light come last in the order.
+#[inline(always)]
+pub fn key_receivers(id: usize, params: &Params, receivers: &[[i32; 3]], keys: &mut [Keys], order: &mut [Entry]) {
+    let pass = params.pass();
+    if id >= pass.count as usize {
+        return;
+    }
+    let mut entry = Entry { code: Entry::ABSENT, index: id as u32 };
+    let mut own = NOTHING;
+    if let Some(p) = point(receivers, pass.first as usize + id)
+        && !exact::behind_light::<Wide>(&params.light(), p)
+    {
+        own = receiver_keys(&params.frame(), p);
+        entry.code = code(&params.codes(), &own);
+    }
+    store(keys, id, own);
+    store(order, id, entry);
+}

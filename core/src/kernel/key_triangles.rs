@@ -1,0 +1,55 @@
+//! Kernel `key_triangles`: keys and place on the curve of one triangle.
+
+use glam::IVec3;
+
+use crate::{
+    edge_plane::Occluder,
+    kernel::{fetch, point, store},
+    light::LatticeLight,
+    order::{Entry, code},
+    params::Params,
+    proj4::{Keys, NOTHING},
+    stage::key_triangles::keys_of,
+};
+
+/// The corners of triangle `id`; `None` where one is missing.
+#[inline(always)]
+fn corners(id: usize, vertices: &[[i32; 3]], triangles: &[[u32; 3]]) -> Option<[IVec3; 3]> {
+    let [a, b, c] = fetch(triangles, id, [u32::MAX; 3]);
+    Some([point(vertices, a as usize)?, point(vertices, b as usize)?, point(vertices, c as usize)?])
+}
+
+/// Keys and orientation of triangle `id`; `None` where it blocks nothing.
+#[inline(always)]
+pub(super) fn triangle(
+    id: usize,
+    params: &Params,
+    light: &LatticeLight,
+    vertices: &[[i32; 3]],
+    triangles: &[[u32; 3]],
+) -> Option<(Keys, Occluder)> {
+    keys_of(&params.frame(), light, corners(id, vertices, triangles)?)
+}
+
+/// Triangle `id`; those that block nothing come last in the order.
+#[inline(always)]
+pub fn key_triangles(
+    id: usize,
+    params: &Params,
+    vertices: &[[i32; 3]],
+    triangles: &[[u32; 3]],
+    keys: &mut [Keys],
+    order: &mut [Entry],
+) {
+    if id >= params.pass().count as usize {
+        return;
+    }
+    let mut entry = Entry { code: Entry::ABSENT, index: id as u32 };
+    let mut own = NOTHING;
+    if let Some((found, _)) = triangle(id, params, &params.light(), vertices, triangles) {
+        own = found;
+        entry.code = code(&params.codes(), &own);
+    }
+    store(keys, id, own);
+    store(order, id, entry);
+}

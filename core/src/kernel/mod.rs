@@ -1,0 +1,48 @@
+//! Kernels: what one thread of a GPU does for one id of a stage. Each fetches, calls the stage, and stores; a stage that
+//! is no single function (sorting) has several. [`TABLE`] says what each is bound to.
+//!
+//! They are plain functions over slices, so that a processor runs them as well, one id after the other.
+
+// A kernel's arguments are its bindings.
+#![allow(clippy::too_many_arguments)]
+
+pub mod build_level;
+pub mod key_receivers;
+pub mod key_triangles;
+pub mod order_triangles;
+pub mod reduce;
+pub mod resolve;
+pub mod sort;
+mod table;
+
+pub use table::{Access, Bound, Kernel, KernelInfo, Slot, TABLE, WORKGROUP};
+
+/// Element `index`, or `absent` where there is none.
+#[inline(always)]
+fn fetch<T: Copy>(from: &[T], index: usize, absent: T) -> T {
+    if index < from.len() { from[index] } else { absent }
+}
+
+/// Writes element `index`, if there is one.
+#[inline(always)]
+fn store<T: Copy>(to: &mut [T], index: usize, value: T) {
+    if index < to.len() {
+        to[index] = value;
+    }
+}
+
+/// A point that takes no part: not snapped, or not there. No lattice point has such a coordinate.
+pub const NOWHERE: [i32; 3] = [i32::MIN; 3];
+
+/// A lattice point; `None` where there is none.
+#[inline(always)]
+fn point(from: &[[i32; 3]], index: usize) -> Option<glam::IVec3> {
+    let p = fetch(from, index, NOWHERE);
+    if p[0] == i32::MIN { None } else { Some(glam::IVec3::new(p[0], p[1], p[2])) }
+}
+
+/// The id of a thread: workgroups of a dispatch are laid out in rows, since a row is limited.
+#[inline(always)]
+pub fn id(thread: [u32; 3], params: &crate::params::Params) -> usize {
+    (thread[1] * params.pass().row + thread[0]) as usize
+}

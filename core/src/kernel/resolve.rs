@@ -1,0 +1,101 @@
+//! Kernel `resolve`: the mask of one receiver.
+
+use crate::{
+    edge_plane::Occluder,
+    kernel::{fetch, point, store},
+    mask_word::{MaskWord, PairWord},
+    order::Entry,
+    params::Params,
+    precision::PrecisionMode,
+    proj4::{KeyTile, Keys, NOTHING},
+    row_mask::{MASK_ROWS, MaskRows},
+    stage::resolve::{Group, resolve_among},
+};
+
+/// A mask word of which a GPU makes words of 32 bits.
+pub trait DeviceWord: MaskWord {
+    /// Word `k` of a mask in memory. `halves`: rows are stored as words of 16 bits.
+    fn stored(mask: &MaskRows<Self>, rows: usize, k: usize, halves: bool) -> u32;
+}
+
+#[inline(always)]
+fn row<W: MaskWord>(mask: &MaskRows<W>, rows: usize, row: usize) -> W {
+    if row < rows { mask[row % MASK_ROWS] } else { W::EMPTY }
+}
+
+impl DeviceWord for u32 {
+    #[inline(always)]
+    fn stored(mask: &MaskRows<Self>, rows: usize, k: usize, halves: bool) -> u32 {
+        if halves { row(mask, rows, 2 * k) | row(mask, rows, 2 * k + 1) << 16 } else { row(mask, rows, k) }
+    }
+}
+
+impl DeviceWord for PairWord {
+    #[inline(always)]
+    fn stored(mask: &MaskRows<Self>, rows: usize, k: usize, _: bool) -> u32 {
+        let word = row(mask, rows, k / 2);
+        if k & 1 == 0 { word.low } else { word.high }
+    }
+}
+
+/// Words of 32 bits that the mask of one receiver takes, with rows in words of `bits` bits.
+pub const fn stride(rows: u32, bits: u32) -> u32 {
+    (rows * bits).div_ceil(32)
+}
+
+/// Counts of one receiver: pairs tested, kept, relevant; signs decided in integers.
+pub type ReceiverCounts = [u32; 4];
+
+/// The `id`-th receiver in the order of a block: its mask, and what was done for it.
+#[inline(always)]
+pub fn resolve<W: DeviceWord, P: PrecisionMode>(
+    id: usize,
+    params: &Params,
+    receivers: &[[i32; 3]],
+    keys: &[Keys],
+    order: &[Entry],
+    occluders: &[Occluder],
+    nodes: &[KeyTile],
+    masks: &mut [u32],
+) -> (usize, ReceiverCounts) {
+    let pass = params.pass();
+    if id >= pass.count as usize {
+        return (usize::MAX, [0; 4]);
+    }
+    let (grid, levels) = (params.grid(), params.levels());
+    let rows = grid.light.rows as usize;
+    let entry = fetch(order, id, Entry { code: Entry::ABSENT, index: 0 });
+    let index = entry.index as usize;
+    let mut group = Group::<W>::empty(grid.light.rows);
+    let own = fetch(keys, index, NOTHING);
+    match point(receivers, pass.first as usize + index) {
+        Some(p) if entry.code != Entry::ABSENT => group.set(0, p, &own),
+        _ => group.set_behind(0, &grid.light),
+    }
+    resolve_among::<f32, W, P>(&grid, &levels, nodes, occluders, &mut group);
+    let halves = pass.stride < grid.light.rows;
+    let mut k = 0;
+    while k < pass.stride as usize {
+        store(masks, index * pass.stride as usize + k, W::stored(&group.masks[0], rows, k, halves));
+        k += 1;
+    }
+    let c = group.counts;
+    (index, [c.pairs_tested as u32, c.pairs_kept as u32, c.pairs_relevant as u32, c.fallbacks as u32])
+}
+
+/// As [`resolve`], and writes the counts.
+#[inline(always)]
+pub fn resolve_counted<W: DeviceWord, P: PrecisionMode>(
+    id: usize,
+    params: &Params,
+    receivers: &[[i32; 3]],
+    keys: &[Keys],
+    order: &[Entry],
+    occluders: &[Occluder],
+    nodes: &[KeyTile],
+    masks: &mut [u32],
+    counts: &mut [ReceiverCounts],
+) {
+    let (index, own) = resolve::<W, P>(id, params, receivers, keys, order, occluders, nodes, masks);
+    store(counts, index, own);
+}

@@ -1,0 +1,160 @@
+//! What a kernel is told, besides its buffers. All members are vectors of four, so that the layout is the same in Rust,
+//! SPIR-V and WGSL.
+//!
+//! It lies in a storage buffer, not in a uniform one: some drivers (lavapipe) compile a kernel anew for each set of values
+//! that they find in uniforms.
+
+use glam::{IVec3, IVec4, UVec4, Vec3, Vec4};
+
+use crate::{
+    edge_plane::LightGrid,
+    frame::LightFrame,
+    hierarchy::{Levels, MAX_LEVELS},
+    light::LatticeLight,
+    order::CodeFrame,
+};
+
+/// One light, the layout of the hierarchy, and one pass.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct Params {
+    /// The light's origin, and its rows.
+    origin: IVec4,
+    /// Its step between columns, and its columns.
+    step_u: IVec4,
+    /// Its step between rows; 0.
+    step_v: IVec4,
+    /// Columns per lattice unit; what the rounding of the axes moves.
+    along_u: Vec4,
+    /// Rows per lattice unit; 0.
+    along_v: Vec4,
+    /// Its normal; 0.
+    normal: Vec4,
+    /// Lattice units per column and row; 0.
+    scale: Vec4,
+    /// Middle and inverse spread of the [`CodeFrame`]; 0.
+    codes: Vec4,
+    /// Where the levels of the hierarchy start, and at last their number.
+    levels: [UVec4; 3],
+    /// See [`PassParams`].
+    pass: [UVec4; 2],
+}
+
+/// What is different in every pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct PassParams {
+    /// Ids there are: `0..count`. Threads beyond do nothing.
+    pub count: u32,
+    /// First receiver of the block.
+    pub first: u32,
+    /// Bit from which a digit of the sort is taken.
+    pub shift: u32,
+    /// Level of the hierarchy that is built.
+    pub level: u32,
+    /// Words of 32 bits a receiver's mask takes.
+    pub stride: u32,
+    /// Ids of a row of workgroups: those of a dispatch are laid out in rows, since a row is limited.
+    pub row: u32,
+    /// Elements there are of what ids stand for by runs or blocks.
+    pub elements: u32,
+    /// First element of a level of sums.
+    pub base: u32,
+}
+
+impl Params {
+    /// What a light's passes share. `codes` decides the order of triangles and receivers, never a bit.
+    #[cfg(not(target_arch = "spirv"))]
+    pub fn new(grid: &LightGrid, codes: &CodeFrame, levels: &Levels) -> Self {
+        let (light, frame) = (&grid.light, &grid.frame);
+        let mut words = [UVec4::ZERO; 3];
+        for (word, value) in words.iter_mut().flat_map(|v| v.as_mut()).zip(levels.words()) {
+            *word = value;
+        }
+        Self {
+            origin: light.origin.extend(light.rows as i32),
+            step_u: light.step_u.extend(light.columns as i32),
+            step_v: light.step_v.extend(0),
+            along_u: frame.along_u.extend(grid.skew),
+            along_v: frame.along_v.extend(0.0),
+            normal: frame.normal.extend(0.0),
+            scale: Vec4::new(frame.scale[0], frame.scale[1], 0.0, 0.0),
+            codes: Vec4::new(codes.center[0], codes.center[1], codes.inverse_spread, 0.0),
+            levels: words,
+            pass: [UVec4::ZERO; 2],
+        }
+    }
+
+    /// The same for one pass.
+    #[must_use]
+    pub fn with_pass(mut self, pass: &PassParams) -> Self {
+        let p = pass;
+        self.pass = [UVec4::new(p.count, p.first, p.shift, p.level), UVec4::new(p.stride, p.row, p.elements, p.base)];
+        self
+    }
+
+    /// The pass.
+    #[inline(always)]
+    pub fn pass(&self) -> PassParams {
+        let [a, b] = self.pass;
+        PassParams { count: a.x, first: a.y, shift: a.z, level: a.w, stride: b.x, row: b.y, elements: b.z, base: b.w }
+    }
+
+    /// The light.
+    #[inline(always)]
+    pub fn light(&self) -> LatticeLight {
+        LatticeLight {
+            origin: three(self.origin),
+            step_u: three(self.step_u),
+            step_v: three(self.step_v),
+            rows: self.origin.w as u32,
+            columns: self.step_u.w as u32,
+        }
+    }
+
+    /// The light's frame.
+    #[inline(always)]
+    pub fn frame(&self) -> LightFrame {
+        let light = self.light();
+        LightFrame {
+            origin: light.origin,
+            along_u: Vec3::new(self.along_u.x, self.along_u.y, self.along_u.z),
+            along_v: Vec3::new(self.along_v.x, self.along_v.y, self.along_v.z),
+            normal: Vec3::new(self.normal.x, self.normal.y, self.normal.z),
+            last_column: (light.columns - 1) as f32,
+            last_row: (light.rows - 1) as f32,
+            scale: [self.scale.x, self.scale.y],
+        }
+    }
+
+    /// What planes need of the light.
+    #[inline(always)]
+    pub fn grid(&self) -> LightGrid {
+        LightGrid::from_frame(self.light(), self.frame(), self.along_u.w)
+    }
+
+    /// What orders triangles and receivers.
+    #[inline(always)]
+    pub fn codes(&self) -> CodeFrame {
+        CodeFrame {
+            center: [self.codes.x, self.codes.y],
+            inverse_spread: self.codes.z,
+            scale: [self.scale.x, self.scale.y],
+        }
+    }
+
+    /// Layout of the hierarchy.
+    #[inline(always)]
+    pub fn levels(&self) -> Levels {
+        let [a, b, c] = self.levels;
+        Levels::from_words([a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y])
+    }
+}
+
+#[inline(always)]
+fn three(v: IVec4) -> IVec3 {
+    IVec3::new(v.x, v.y, v.z)
+}
+
+// The starts of all levels and their number fit the three vectors.
+const _: () = assert!(MAX_LEVELS + 2 <= 12);

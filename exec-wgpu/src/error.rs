@@ -1,0 +1,86 @@
+//! What can go wrong on a device.
+
+use thiserror::Error;
+
+/// Why the GPU does not answer, or a call is refused.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum GpuError {
+    /// There is no adapter such as was asked for.
+    #[error("no {wanted}: {reason}")]
+    NoAdapter {
+        /// What was asked for.
+        wanted: String,
+        /// What the system said, or which adapters there are.
+        reason: String,
+    },
+    /// The adapter lacks something that every kernel needs.
+    #[error("adapter {adapter} has {limit} {has}, {needs} are needed")]
+    LimitTooSmall {
+        /// Its name.
+        adapter: String,
+        /// Name of the limit, as wgpu calls it.
+        limit: &'static str,
+        /// What it has.
+        has: u64,
+        /// What is needed.
+        needs: u64,
+    },
+    /// The device could not be opened.
+    #[error("cannot open adapter {adapter}: {reason}")]
+    NoDevice {
+        /// Its name.
+        adapter: String,
+        /// What the driver said.
+        reason: String,
+    },
+    /// A buffer would be larger than the device can bind.
+    #[error("{what} take {bytes} bytes, more than the {limit} that the device binds")]
+    TooLarge {
+        /// What it would hold.
+        what: &'static str,
+        /// Its size.
+        bytes: u64,
+        /// Largest size.
+        limit: u64,
+    },
+    /// The device has no memory left.
+    #[error("the device is out of memory while it {doing}")]
+    OutOfMemory {
+        /// What it was asked for.
+        doing: &'static str,
+    },
+    /// wgpu refuses a call.
+    #[error("wgpu refuses to {doing}: {reason}")]
+    Refused {
+        /// What was asked for.
+        doing: &'static str,
+        /// What wgpu said.
+        reason: String,
+    },
+    /// The device was lost, or does not answer.
+    #[error("the device was lost while it {doing}: {reason}")]
+    Lost {
+        /// What it was doing.
+        doing: &'static str,
+        /// What the driver said.
+        reason: String,
+    },
+    /// The mask word holds fewer columns than the light has.
+    #[error("a light of {columns} columns does not fit words of {bits} bits")]
+    WordTooNarrow {
+        /// Columns of the light.
+        columns: u32,
+        /// Bits of the word.
+        bits: u32,
+    },
+    /// There are more elements than a 32-bit index can name.
+    #[error("{count} {field} are too many: at most {most} can be indexed")]
+    TooMany {
+        /// "vertices", "triangles" or "receivers".
+        field: &'static str,
+        /// How many were given.
+        count: usize,
+        /// How many can be.
+        most: usize,
+    },
+}

@@ -1,0 +1,39 @@
+//! The kernels' SPIR-V, as compiled from `shaders-rust`.
+
+use umbra4_core::kernel::Kernel;
+
+macro_rules! modules {
+    ($($kernel:ident: $file:literal),* $(,)?) => {
+        /// The SPIR-V module of a kernel: one entry point, named as in `umbra4_core::kernel::TABLE`.
+        pub fn code(kernel: Kernel) -> &'static [u8] {
+            match kernel {
+                $(Kernel::$kernel => include_bytes!(concat!("../shaders/", $file, ".spv")),)*
+            }
+        }
+    };
+}
+
+modules! {
+    KeyTriangles: "key_triangles",
+    KeyReceivers: "key_receivers",
+    CountDigits: "count_digits",
+    SumBlocks: "sum_blocks",
+    ScanBlocks: "scan_blocks",
+    ScatterDigits: "scatter_digits",
+    OrderTriangles: "order_triangles",
+    BuildLevel: "build_level",
+    Resolve32Exact: "resolve_32_exact",
+    Resolve32Fast: "resolve_32_fast",
+    Resolve64Exact: "resolve_64_exact",
+    Resolve64Fast: "resolve_64_fast",
+    Resolve32ExactCounted: "resolve_32_exact_counted",
+    Resolve32FastCounted: "resolve_32_fast_counted",
+    Resolve64ExactCounted: "resolve_64_exact_counted",
+    Resolve64FastCounted: "resolve_64_fast_counted",
+    Reduce: "reduce",
+}
+
+/// The manifest of the modules, JSON: compiler, hash of the sources, and of each module its bindings and hash.
+pub fn manifest() -> &'static str {
+    include_str!("../shaders/manifest.json")
+}
