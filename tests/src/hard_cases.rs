@@ -59,6 +59,7 @@ pub const HARD_CASES: &[(&str, HardCase)] = &[
     ("triangle_through_receiver_plane", triangle_through_receiver_plane),
     ("triangle_behind_light", triangle_behind_light),
     ("slivers_of_aspect_a_million", slivers_of_aspect_a_million),
+    ("needles_with_a_flat_short_side", needles_with_a_flat_short_side),
     ("zero_area_triangles", zero_area_triangles),
     ("closed_mesh_around_receiver", closed_mesh_around_receiver),
     ("closed_mesh_silhouette", closed_mesh_silhouette),
@@ -354,6 +355,52 @@ fn slivers_of_aspect_a_million(rows: u32, columns: u32) -> Vec<Case> {
             case(light, &[p], mesh, Check::Masks(mask.clone()))
         })
         .collect()
+}
+
+fn needles_with_a_flat_short_side(rows: u32, columns: u32) -> Vec<Case> {
+    let mut rng = Rng::named(5, "needles_with_a_flat_short_side");
+    [lamp(rows, columns), skew_lamp(rows, columns)]
+        .iter()
+        .flat_map(|&light| [false, true].map(|slanting| needles(&mut rng, light, slanting)))
+        .collect()
+}
+
+/// Needles, each through one sample as its own receiver sees it. The short side spans less than 1/32 row, with no row
+/// near it: an executor cannot use its slope, and has to tell by other means on which side of it the needle lies. Most
+/// short sides lean the way their needle does, but more steeply: there, the way that the side runs says the opposite.
+///
+/// The ends of a `slanting` short side differ in height, so that it points at the light: so does the needle's plane.
+fn needles(rng: &mut Rng, light: LatticeLight, slanting: bool) -> Case {
+    let receivers = floor(24);
+    let mut mesh = Mesh::default();
+    let mut blocked = Vec::new();
+    for (r, p) in receivers.iter().enumerate() {
+        let (i, j) = (rng.below(light.rows as usize) as u32, rng.below(light.columns as usize) as u32);
+        // The lattice point that is seen `row` rows and `column` columns from the sample, at a height between both.
+        let seen = |row: f64, column: f64, height: f64| {
+            let on_light =
+                light.sample(i, j).as_dvec3() + light.step_v.as_dvec3() * row + light.step_u.as_dvec3() * column;
+            (p.as_dvec3() + (on_light - p.as_dvec3()) * height).round().as_ivec3()
+        };
+        // Columns a row: of the needle, and of its short side as a part of that.
+        let slope = rng.pick(&[-48.0, -24.0, -8.0, -3.0, 3.0, 8.0, 24.0, 48.0]);
+        let leaning = rng.pick(&[0.1, 0.3, 0.6, 0.6, -0.5, 1.5]);
+        // Rows from the sample to the middle of the short side, and the other way to the third corner.
+        let way = rng.pick(&[-1.0, 1.0]);
+        let near = way * (rng.pick(&[0.0, 1.0]) + 0.1 + 0.8 * rng.unit());
+        let far = -way * rng.pick(&[0.7, 3.0, 12.0, 40.0]);
+        let half = 0.5 / (36.0 + 28.0 * rng.unit());
+        let height = 0.5 + 0.3 * rng.unit();
+        let other_height = if slanting { height * (1.05 + 0.1 * rng.unit()) } else { height };
+        let end = |half: f64, height: f64| seen(near + half, slope * (near + leaning * half), height);
+        let mut corners = [end(half, height), end(-half, other_height), seen(far, slope * far, 0.5 + 0.4 * rng.unit())];
+        if rng.one_in(2) {
+            corners.reverse();
+        }
+        mesh.add_triangle(corners);
+        blocked.push((r, i, j));
+    }
+    case(light, &receivers, mesh, Check::BlockedAt(blocked))
 }
 
 fn zero_area_triangles(rows: u32, columns: u32) -> Vec<Case> {
