@@ -38,8 +38,8 @@ struct Cli {
 enum Command {
     /// Compares umbra4 with ray tracers, and prints a Markdown table.
     Compare(CompareArgs),
-    /// Checks the bits of random receivers on the real scenes against the oracles, and prints Markdown tables. The exit
-    /// code is 1 where a bit is wrong.
+    /// Checks the bits of random receivers on the real scenes against the oracles, and those of a whole image against one
+    /// sample at a time; prints Markdown tables. The exit code is 1 where a bit is wrong.
     Verify(VerifyArgs),
     /// Measures what each of the paper's optimisations pays, and prints Markdown tables.
     Optimisations(OptimisationsArgs),
@@ -144,6 +144,9 @@ struct VerifyArgs {
     /// Receivers of each kind that the slow second oracle is asked about.
     #[arg(long, default_value_t = 16)]
     unsnapped: usize,
+    /// Edge of the image, in pixels, all of whose points are compared with one sample at a time.
+    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=8192))]
+    image: u32,
     /// Diagonal of the light in the paper's units (its table 5: 1 to 5).
     #[arg(long, default_value_t = PAPER_LIGHT, value_parser = light_scale)]
     light_scale: f64,
@@ -161,6 +164,7 @@ impl VerifyArgs {
             require: self.require.clone(),
             receivers: self.receivers as usize,
             unsnapped: self.unsnapped,
+            image: self.image,
             light: self.light_scale,
             seed: self.seed,
         }

@@ -2,6 +2,10 @@
 //!
 //! Three kinds of receivers: surface points that the camera sees, lifted off their surface as a renderer asks for them;
 //! the same points raw, in the very planes of their triangles but for rounding; and points anywhere in the scene's box.
+//!
+//! Oracles are slow, and what goes wrong once in ten million bits is not met by a few receivers. So all points of a whole
+//! image are also compared with the planes' own masks, one sample at a time: integers decide there too, but none of what
+//! makes rows fast takes part.
 
 use std::{fmt::Write, path::PathBuf, time::Instant};
 
@@ -10,7 +14,7 @@ use umbra4_core::{
     Bounds, LatticeLight,
     glam::{DVec3, IVec3, Vec3},
 };
-use umbra4_cpu::{CpuExecutor, ExecutorError, Occluders, Precision, Receivers};
+use umbra4_cpu::{CpuExecutor, ExecutorError, GridOptions, Index, Occluders, Precision, Receivers, Rows};
 use umbra4_tests::{
     compare::{Amount, Mismatch, bits_of, compare_masks},
     oracle,
@@ -89,6 +93,8 @@ pub struct Options {
     pub receivers: usize,
     /// Receivers of each kind that the second oracle is asked about.
     pub unsnapped: usize,
+    /// Edge of the image whose receivers are compared with one sample at a time, pixels.
+    pub image: u32,
     /// The diagonal of the light in the paper's units.
     pub light: f64,
     /// Chooses the receivers.
@@ -124,6 +130,7 @@ pub struct Report {
     missing: Vec<String>,
     oracle: Vec<OracleLine>,
     unsnapped: Vec<UnsnappedLine>,
+    rows: Vec<RowsLine>,
 }
 
 /// One scene and resolution of the light, against the oracle on the lattice.
@@ -148,6 +155,16 @@ struct UnsnappedLine {
     moved: Moved,
 }
 
+/// One scene and resolution of the light: rows at once, by the hierarchy, against one sample at a time, by the grid.
+#[derive(Debug)]
+struct RowsLine {
+    scene: String,
+    samples: u32,
+    receivers: usize,
+    bits: u64,
+    differing: u64,
+}
+
 /// Receivers of one kind.
 struct Kind {
     name: &'static str,
@@ -157,14 +174,18 @@ struct Kind {
 }
 
 impl Report {
-    /// True where all bits are the oracle's, and the snap explains all that the second oracle says otherwise.
+    /// True where all bits are the oracle's, the snap explains all that the second oracle says otherwise, and one sample at
+    /// a time gives the same masks.
     pub fn holds(&self) -> bool {
-        self.oracle.iter().all(|line| line.exact == 0) && self.unsnapped.iter().all(|l| l.moved.unexplained == 0)
+        self.oracle.iter().all(|line| line.exact == 0)
+            && self.unsnapped.iter().all(|line| line.moved.unexplained == 0)
+            && self.rows.iter().all(|line| line.differing == 0)
     }
 
     fn add(&mut self, name: &str, options: &Options) -> Result<(), VerifyError> {
         let start = Instant::now();
         let scene = scene(name, &options.scenes, 32, options.light)?;
+        let image = hits(&scene.model, &scene.camera, options.image);
         let hits = hits(&scene.model, &scene.camera, IMAGE);
         let mut rng = Rng::named(options.seed, name);
         let (surface, free) = random_receivers(&scene, &hits, options.receivers, &mut rng)?;
@@ -172,8 +193,10 @@ impl Report {
             return Err(VerifyError::NoSurface(name.to_owned()));
         }
         self.check::<u32>(name, &scene, &surface, &free, options, true)?;
+        self.compare_rows::<u32>(name, &scene, &image)?;
         let scene = scene.with_samples(64)?;
         self.check::<u64>(name, &scene, &surface, &free, options, false)?;
+        self.compare_rows::<u64>(name, &scene, &image)?;
         eprintln!("{name}: {:.1} s", start.elapsed().as_secs_f64());
         Ok(())
     }
@@ -240,6 +263,30 @@ impl Report {
         Ok(())
     }
 
+    /// Compares the masks of all `hits` with those that are filled one sample at a time.
+    fn compare_rows<W: RowWord>(&mut self, name: &str, scene: &Scene, hits: &[Hit]) -> Result<(), VerifyError> {
+        if hits.is_empty() {
+            return Err(VerifyError::NoSurface(name.to_owned()));
+        }
+        let problem = Problem::new(scene, hits, hits)?;
+        let light = &problem.light;
+        let occluders = Occluders::new(&problem.lattice, &scene.model.vertices, &scene.model.triangles)?;
+        let masks = |index| -> Result<Vec<W>, VerifyError> {
+            let executor = CpuExecutor::new().with_index(index);
+            Ok(executor.masks::<W>(&occluders, light, &problem.receivers)?.0.into_words())
+        };
+        let one_at_a_time = Index::Grid(GridOptions { rows: Rows::Bits, ..GridOptions::default() });
+        let expected: Vec<u64> = masks(one_at_a_time)?.into_iter().map(bits_of).collect();
+        self.rows.push(RowsLine {
+            scene: name.to_owned(),
+            samples: light.rows,
+            receivers: hits.len(),
+            bits: expected.len() as u64 * u64::from(light.columns),
+            differing: differing(name, &expected, &masks(Index::default())?, light)?,
+        });
+        Ok(())
+    }
+
     /// The tables that a reader reads.
     pub fn markdown(&self) -> String {
         let mut out = String::from(
@@ -269,6 +316,12 @@ impl Report {
             "\nThe same masks against exact rational arithmetic on the original f32 coordinates. Raw points lie in their \
              triangles' planes but for rounding: there, the snap may decide on which side.\n",
         );
+        out.push_str("\n| scene | samples | receivers | bits | differing |\n|---|--:|--:|--:|--:|\n");
+        for RowsLine { scene, samples, receivers, bits, differing } in &self.rows {
+            let _ = writeln!(out, "| {scene} | {samples}² | {receivers} | {bits} | {differing} |");
+        }
+        let bits: u64 = self.rows.iter().map(|line| line.bits).sum();
+        let _ = writeln!(out, "\nAll points of an image: rows at once against one sample at a time, {bits} bits.");
         for name in &self.missing {
             let _ = writeln!(out, "\n**{name} is not there and was not verified.**");
         }
@@ -350,7 +403,7 @@ mod tests {
     fn options() -> Options {
         let names = scene::names().map(str::to_owned).collect();
         let (scenes, require) = (std::env::temp_dir().join("umbra4-bench-no-scenes"), Vec::new());
-        Options { scenes, names, require, receivers: 64, unsnapped: 8, light: 3.0, seed: 1 }
+        Options { scenes, names, require, receivers: 64, unsnapped: 8, image: 48, light: 3.0, seed: 1 }
     }
 
     #[test]
@@ -361,7 +414,9 @@ mod tests {
         let mut report = Report::default();
         report.check::<u32>("tiny", &scene, &surface, &free, &options(), true).unwrap();
         report.check::<u64>("tiny", &scene.with_samples(64).unwrap(), &surface, &free, &options(), false).unwrap();
+        report.compare_rows::<u64>("tiny", &tiny(64), &hits).unwrap();
         assert!(report.holds(), "{}", report.markdown());
+        assert_eq!(report.rows[0].bits, hits.len() as u64 * 64 * 64);
         assert_eq!(report.oracle[1].bits, 192 * 64 * 64);
         assert_eq!(report.unsnapped.iter().map(|line| line.moved.receivers).sum::<usize>(), 24);
     }
@@ -380,6 +435,8 @@ mod tests {
             fast: 0,
         };
         assert!(!Report { oracle: vec![line], ..Report::default() }.holds());
+        let line = RowsLine { scene: String::new(), samples: 1, receivers: 1, bits: 1, differing: 1 };
+        assert!(!Report { rows: vec![line], ..Report::default() }.holds());
         let light = tiny(2).light;
         let lattice = umbra4_core::Lattice::covering(Bounds::of(light.corners())).unwrap();
         let light = light.snap(&lattice, umbra4_core::Lift::NONE).unwrap();
