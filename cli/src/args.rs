@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use umbra4_core::glam::DVec3;
-use umbra4_cpu::Precision;
 
 /// Exact soft shadows of area lights. Without a command: renders a built-in scene to umbra4.png.
 #[derive(Debug, Parser)]
@@ -117,6 +116,12 @@ pub struct WorkArgs {
     /// Certified bits, or plain f32
     #[arg(long, value_enum, default_value_t = PrecisionArg::Exact)]
     pub precision: PrecisionArg,
+    /// Where the work is done; the bits are the same
+    #[arg(long, value_enum, default_value_t = ExecutorArg::Cpu)]
+    pub executor: ExecutorArg,
+    /// The GPU to take, by a part of its name [default: the best; never a software driver]
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
     /// Threads [default: all]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
@@ -146,13 +151,16 @@ pub enum PrecisionArg {
     Fast,
 }
 
-impl From<PrecisionArg> for Precision {
-    fn from(precision: PrecisionArg) -> Self {
-        match precision {
-            PrecisionArg::Exact => Self::Exact,
-            PrecisionArg::Fast => Self::Fast,
-        }
-    }
+/// Names of the executors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum ExecutorArg {
+    /// The processor's threads
+    #[default]
+    Cpu,
+    /// A GPU
+    Gpu,
+    /// A GPU if there is one, else the processor
+    Auto,
 }
 
 impl RenderArgs {

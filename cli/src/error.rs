@@ -4,6 +4,7 @@ use std::{fmt::Display, io};
 
 use umbra4_core::{LatticeError, LightError};
 use umbra4_cpu::{ExecutorError, SceneError};
+use umbra4_wgpu::GpuError;
 
 use crate::{
     array_file::ArrayError, camera::CameraError, in_file::InFile, light_file::LightFileError, model::ModelError,
@@ -32,6 +33,8 @@ pub enum ProgramError {
     Scene(#[from] SceneError),
     /// The executor.
     Executor(#[from] ExecutorError),
+    /// The GPU.
+    Gpu(#[from] GpuError),
     /// Standard output is closed.
     Stdout(#[from] io::Error),
     /// A picture that would not fit the memory of most machines.

@@ -10,6 +10,7 @@ pub mod builtin;
 pub mod camera;
 pub mod commands;
 pub mod error;
+pub mod executor;
 pub mod fit;
 pub mod in_file;
 pub mod light_file;

@@ -3,7 +3,8 @@
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
-use umbra4_cpu::Statistics;
+
+use crate::executor::Report;
 
 /// Runs stages one after the other, timed.
 pub struct Stages {
@@ -33,9 +34,9 @@ impl Stages {
     }
 
     /// Puts the executor's stages in the place of the one that ran it last.
-    pub fn split_last(&mut self, statistics: &Statistics) {
+    pub fn split_last(&mut self, report: &Report) {
         self.seconds.pop();
-        self.seconds.extend(statistics.seconds_by_stage.iter().map(|(name, s)| ((*name).to_owned(), *s)));
+        self.seconds.extend(report.seconds_by_stage.iter().cloned());
     }
 
     /// Takes the bar away and returns the table.

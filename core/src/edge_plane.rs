@@ -2,8 +2,9 @@
 //! stated error bound; and which receivers they leave anything of.
 //!
 //! Seed: Wang et al. 2016, section 3.3 (planes P0 to P2 of Algorithm 3, lines 7 to 10). Departures: planes are oriented
-//! by the receiver's side of the triangle (the listing omits it), each switch column comes as an interval that holds the
-//! true one, and pairs of which no sample can be blocked are dropped before any row is looked at.
+//! by the receiver's side of the triangle (the listing omits it), each switch column comes with a bound on its
+//! error, and pairs of which no sample can be blocked are dropped before any row is looked at. Most pairs never come
+//! here: `outline` settles those whose corners rise from the receiver.
 //!
 //! # Error bound
 //! For receiver p, edge a → b and sample (i, j), the sign sought is that of
@@ -422,7 +423,7 @@ const fn low_bits(n: usize) -> u32 {
 
 /// `q − p`.
 #[inline(always)]
-pub(crate) fn towards<L: Lanes>(q: IVec3, p: &[L::Ints; 3]) -> [L; 3] {
+fn towards<L: Lanes>(q: IVec3, p: &[L::Ints; 3]) -> [L; 3] {
     [
         L::difference(L::splat_int(q.x), p[0]),
         L::difference(L::splat_int(q.y), p[1]),
@@ -450,7 +451,7 @@ fn dot<L: Lanes>(a: &[L; 3], b: &[L; 3]) -> L {
 }
 
 #[inline(always)]
-pub(crate) fn dot_scalar<L: Lanes>(a: Vec3, b: &[L; 3]) -> L {
+fn dot_scalar<L: Lanes>(a: Vec3, b: &[L; 3]) -> L {
     dot(&[L::splat(a.x), L::splat(a.y), L::splat(a.z)], b)
 }
 

@@ -71,6 +71,23 @@ impl Levels {
     }
 }
 
+/// Where a walk starts: at a node of a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Root {
+    /// Its level; [`Levels::count`] or more where there is nothing to walk.
+    pub level: usize,
+    /// Its place in the level.
+    pub tile: u32,
+}
+
+impl Root {
+    /// The node above all triangles.
+    #[inline(always)]
+    pub fn top(levels: &Levels) -> Self {
+        Self { level: if levels.count() > 0 { levels.count() - 1 } else { 0 }, tile: 0 }
+    }
+}
+
 /// Walks the triangles that may block something from a group of receivers, nearest in the order first.
 ///
 /// A walk stops for good once it has returned `None`.
@@ -79,18 +96,27 @@ pub struct Walk {
     tile: [u32; MAX_LEVELS],
     bits: [u32; MAX_LEVELS],
     level: usize,
+    /// One above the root's level.
+    end: usize,
     levels: Levels,
 }
 
 impl Walk {
     /// Starts at the root.
     #[inline(always)]
-    pub fn new<L: Lanes>(levels: &Levels, tiles: &[KeyTile], need: &Keys) -> Self {
-        let mut walk = Self { tile: [0; MAX_LEVELS], bits: [0; MAX_LEVELS], level: levels.count(), levels: *levels };
-        if levels.count() > 0 {
-            walk.enter::<L>(levels.count() - 1, 0, tiles, need);
+    pub fn new<L: Lanes>(levels: &Levels, root: Root, tiles: &[KeyTile], need: &Keys) -> Self {
+        let end = if root.level < levels.count() { root.level + 1 } else { 0 };
+        let mut walk = Self { tile: [0; MAX_LEVELS], bits: [0; MAX_LEVELS], level: end, end, levels: *levels };
+        if end > 0 {
+            walk.enter::<L>(root.level, root.tile, tiles, need);
         }
         walk
+    }
+
+    /// Whether the root itself leaves something to be looked at.
+    #[inline(always)]
+    pub fn is_open(&self) -> bool {
+        self.end > 0 && self.bits[(self.end - 1) % MAX_LEVELS] != 0
     }
 
     #[inline(always)]
@@ -105,7 +131,7 @@ impl Walk {
     /// The next tile of triangles of which some may block something: its index, and the bits of those.
     #[inline(always)]
     pub fn next<L: Lanes>(&mut self, tiles: &[KeyTile], need: &Keys) -> Option<(u32, u32)> {
-        while self.level < self.levels.count() {
+        while self.level < self.end {
             let l = self.level % MAX_LEVELS;
             let bits = self.bits[l];
             if bits == 0 {

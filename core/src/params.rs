@@ -50,7 +50,7 @@ pub struct PassParams {
     pub first: u32,
     /// Bit from which a digit of the sort is taken.
     pub shift: u32,
-    /// Level of the hierarchy that is built.
+    /// Level of the node under which triangles are looked at.
     pub level: u32,
     /// Words of 32 bits a receiver's mask takes.
     pub stride: u32,
@@ -58,7 +58,7 @@ pub struct PassParams {
     pub row: u32,
     /// Elements there are of what ids stand for by runs or blocks.
     pub elements: u32,
-    /// First element of a level of sums.
+    /// First element of a level of sums, or of nodes; place in its level of the node under which triangles are looked at.
     pub base: u32,
 }
 

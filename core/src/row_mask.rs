@@ -1,9 +1,14 @@
-//! Rows of a mask from the planes of one triangle: half-open column intervals, then words.
+//! Rows of a mask from the lines of one triangle: half-open column intervals, then words.
 //!
 //! Seed: Wang et al. 2016, section 3.3 and Algorithm 3, lines 11 to 17. Departures: the partial masks of the planes are
 //! not built and ANDed; the largest lower and the smallest upper bound give the interval, and one word a row is made from
-//! it. With certified precision, rows whose bounds come within the planes' doubt of a column are redone: between the
-//! columns that are surely blocked (inner interval) and those that may be (outer), each is decided in integers.
+//! it.
+//!
+//! Lines come in two kinds. Those of an outline (`outline`), by far the most, are moved inwards by one doubt for all, so
+//! that one interval a row is sure; a bound with a column in the band before it is in doubt. Those of planes
+//! (`edge_plane`) have a doubt each, and give two intervals: columns that are surely blocked (inner), and those that may be
+//! (outer). Either way rows in doubt are only noted while rows are filled. Afterwards they are *settled*: their doubtful
+//! columns are decided in integers (`doubt`), out of line and on one lane. Without certification, none is in doubt.
 
 use crate::{
     doubt::{PairForms, PairIntegers},
@@ -180,6 +185,29 @@ impl<L: Lanes> Ends<L> {
     }
 }
 
+/// The columns inside all sides of an outline, in `rows` of one lane: from `from` on and before `to`, neither rounded.
+#[inline(always)]
+fn between<L: Lanes, const E: usize>(
+    outlines: &Outlines<E>,
+    planes: usize,
+    lane: usize,
+    rows: L,
+    ends: &Ends<L>,
+) -> (L, L) {
+    let (mut from, mut to) = (ends.before_first, ends.after_last);
+    let mut k = 0;
+    while k < planes {
+        let x = L::splat(outlines.slope[k][lane]).mul_add(rows, L::splat(outlines.start[k][lane]));
+        if outlines.lower[k] >> lane & 1 == 1 {
+            from = from.max(x);
+        } else {
+            to = to.min(x);
+        }
+        k += 1;
+    }
+    (from.min(ends.last), to.max(ends.first))
+}
+
 /// ORs the rows of one outlined triangle into one receiver's mask. `lane` is the receiver's in `outlines`.
 #[inline(always)]
 pub fn fill_outline<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
@@ -196,19 +224,7 @@ pub fn fill_outline<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
     let mut done = 0;
     let mut filled = Filled { relevant: false, unsure: [0; 2] };
     while left != 0 {
-        let rows = L::count_from(row);
-        let (mut from, mut to) = (ends.before_first, ends.after_last);
-        let mut k = 0;
-        while k < planes {
-            let x = L::splat(outlines.slope[k][lane]).mul_add(rows, L::splat(outlines.start[k][lane]));
-            if outlines.lower[k] >> lane & 1 == 1 {
-                from = from.max(x);
-            } else {
-                to = to.min(x);
-            }
-            k += 1;
-        }
-        let (from, to) = (from.min(ends.last), to.max(ends.first));
+        let (from, to) = between(outlines, planes, lane, L::count_from(row), ends);
         let (starts, stops) = (from.ceil(), to.floor());
         or_spans::<L, W>(starts, stops, mask, row);
         // Rows of the tile that are beyond the triangle's may be beyond the light's.
@@ -271,7 +287,7 @@ pub fn settle_outline<W: MaskWord, const E: usize>(
     mask: &mut MaskRows<W>,
 ) -> bool {
     let lane = lane % TILE;
-    let (columns, band) = (pair.light.columns as f32, outlines.band[lane]);
+    let (ends, band) = (Ends::new(pair.light.columns), outlines.band[lane]);
     let mut forms = PairForms::NONE;
     let mut relevant = false;
     while unsure[0] | unsure[1] != 0 {
@@ -281,18 +297,7 @@ pub fn settle_outline<W: MaskWord, const E: usize>(
         if row >= MASK_ROWS {
             break;
         }
-        let (mut from, mut to) = (-0.5, columns + 0.5);
-        let mut k = 0;
-        while k < planes {
-            let x = outlines.slope[k][lane] * row as f32 + outlines.start[k][lane];
-            if outlines.lower[k] >> lane & 1 == 1 {
-                from = Lanes::max(from, x);
-            } else {
-                to = Lanes::min(to, x);
-            }
-            k += 1;
-        }
-        let (from, to) = (Lanes::min(from, columns - 0.5), Lanes::max(to, 0.5));
+        let (from, to) = between(outlines, planes, lane, row as f32, &ends);
         let at_from = (Lanes::ceil(from - 2.0 * band), Lanes::floor(from + band) + 1);
         let at_to = (Lanes::ceil(to - band) - 1, Lanes::floor(to + 2.0 * band));
         let doubtful = span_within::<W>(at_from, pair.light.columns).or(span_within(at_to, pair.light.columns));

@@ -18,7 +18,8 @@ pub(crate) const LEAST_RISE: f32 = 1.0e-6;
 pub(crate) const FLAT_SLOPE: f32 = (1 << 22) as f32;
 /// How far from a flat side rows must lie beyond δ, in rows. (Rounding moves the cut by less than δ.)
 pub(crate) const FLAT_MARGIN: f32 = 1.0 / (1 << 14) as f32;
-/// The same for lines that planes made: their doubts differ much from plane to plane, and the largest counts for all.
+/// Largest doubt, in columns, of a line from a plane that others share: doubts differ much from plane to plane, and the
+/// largest counts for all.
 pub(crate) const MOST_PLANE_DOUBT: f32 = 1.0 / 64.0;
 /// The least slope of a triangle's own plane along the columns that is divided by, as a part of its largest value.
 pub(crate) const LEAST_COLUMN: f32 = 1.0 / (1 << 20) as f32;

@@ -1,12 +1,18 @@
 //! The executor that users hold: options, and the ways to ask.
 
-use std::sync::{Mutex, PoisonError};
+use std::{
+    sync::{Mutex, PoisonError},
+    time::Instant,
+};
 
 use umbra4_core::{
     Counts, IndexKind, LatticeLight, MaskWord, Plan, SceneFacts,
     edge_plane::LightGrid,
     glam::IVec3,
-    kernel::{Kernel, resolve::stride},
+    kernel::{
+        Kernel,
+        resolve::{ReceiverCounts, stride},
+    },
     order::CodeFrame,
     params::Params,
 };
@@ -30,6 +36,8 @@ pub enum Precision {
 
 /// Bytes that the masks of a block take, at most.
 const MASK_BYTES: u64 = 64 << 20;
+/// Triangles that a dispatch of a software driver looks at: lavapipe ends loops after 65,535 rounds.
+const SOFTWARE_SLICE: u32 = 256;
 /// Receivers of a block, at most.
 const BLOCK: u32 = 1 << 20;
 /// Largest number of elements of one kind.
@@ -49,7 +57,7 @@ const MOST: usize = (u32::MAX - 1) as usize;
 ///
 /// let executor = WgpuExecutor::new(Gpu::open(&Choice::Hardware)?);
 /// let scene = LatticeScene { vertices: &vertices, triangles: &[[0, 1, 2]] };
-/// let visibility = executor.visibility(&scene, &light.snap(&lattice, Lift::NONE)?, &receivers)?;
+/// let (visibility, _) = executor.visibility(&scene, &light.snap(&lattice, Lift::NONE)?, &receivers)?;
 /// assert!(visibility[0] < 0.5 && visibility[1] == 1.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -57,6 +65,7 @@ const MOST: usize = (u32::MAX - 1) as usize;
 pub struct WgpuExecutor {
     gpu: Gpu,
     precision: Precision,
+    counted: bool,
     pipelines: Mutex<Pipelines>,
     block: u32,
 }
@@ -64,7 +73,7 @@ pub struct WgpuExecutor {
 impl WgpuExecutor {
     /// An exact executor. Kernels are compiled when they are first needed.
     pub fn new(gpu: Gpu) -> Self {
-        Self { gpu, precision: Precision::Exact, pipelines: Mutex::default(), block: BLOCK }
+        Self { gpu, precision: Precision::Exact, counted: false, pipelines: Mutex::default(), block: BLOCK }
     }
 
     /// Chooses the precision.
@@ -78,6 +87,13 @@ impl WgpuExecutor {
     #[must_use]
     pub fn with_block(mut self, receivers: u32) -> Self {
         self.block = receivers.max(1);
+        self
+    }
+
+    /// Counts pairs and fallbacks as well, which takes a little longer.
+    #[must_use]
+    pub fn with_counts(mut self, counted: bool) -> Self {
+        self.counted = counted;
         self
     }
 
@@ -95,23 +111,10 @@ impl WgpuExecutor {
         scene: &LatticeScene<'_>,
         light: &LatticeLight,
         receivers: &[IVec3],
-    ) -> Result<Vec<W>, GpuError> {
-        Ok(self.run::<W>(scene, light, receivers, Ask { masks: true, ..Ask::default() })?.0)
-    }
-
-    /// As [`WgpuExecutor::masks`], and counts what was done for them, which takes a little longer.
-    ///
-    /// # Errors
-    /// As [`WgpuExecutor::masks`].
-    pub fn masks_counted<W: MaskWord>(
-        &self,
-        scene: &LatticeScene<'_>,
-        light: &LatticeLight,
-        receivers: &[IVec3],
     ) -> Result<(Vec<W>, Statistics), GpuError> {
-        let ask = Ask { masks: true, counts: true, visibility: false };
-        let (masks, results) = self.run::<W>(scene, light, receivers, ask)?;
-        Ok((masks, statistics(&results)))
+        let ask = Ask { masks: true, counts: self.counted, visibility: false };
+        let (results, statistics) = self.run(scene, light, receivers, W::BITS, ask)?;
+        Ok((words(&results.masks, light.rows as usize, stride(light.rows, W::BITS) as usize), statistics))
     }
 
     /// The fraction of lit samples of every receiver, in `0.0..=1.0`. Masks do not leave the device.
@@ -123,25 +126,39 @@ impl WgpuExecutor {
         scene: &LatticeScene<'_>,
         light: &LatticeLight,
         receivers: &[IVec3],
-    ) -> Result<Vec<f32>, GpuError> {
-        let ask = Ask { visibility: true, ..Ask::default() };
-        let results = match light.columns {
-            0..=16 => self.run::<u16>(scene, light, receivers, ask)?.1,
-            17..=32 => self.run::<u32>(scene, light, receivers, ask)?.1,
-            _ => self.run::<u64>(scene, light, receivers, ask)?.1,
-        };
-        Ok(results.visibility)
+    ) -> Result<(Vec<f32>, Statistics), GpuError> {
+        let ask = Ask { masks: false, counts: self.counted, visibility: true };
+        let (results, statistics) = self.run(scene, light, receivers, narrowest(light), ask)?;
+        Ok((results.visibility, statistics))
     }
 
-    fn run<W: MaskWord>(
+    /// How many triangles block at least one sample of each receiver; for receivers in full shadow, how many were met
+    /// until nothing was left to block. Shows where the work goes.
+    ///
+    /// # Errors
+    /// As [`WgpuExecutor::visibility`].
+    pub fn pairs_per_receiver(
         &self,
         scene: &LatticeScene<'_>,
         light: &LatticeLight,
         receivers: &[IVec3],
+    ) -> Result<(Vec<u32>, Statistics), GpuError> {
+        let ask = Ask { masks: false, counts: true, visibility: false };
+        let (results, statistics) = self.run(scene, light, receivers, narrowest(light), ask)?;
+        Ok((results.counts.iter().map(|[_, _, relevant, _]| *relevant).collect(), statistics))
+    }
+
+    /// With rows in words of `bits` bits.
+    fn run(
+        &self,
+        scene: &LatticeScene<'_>,
+        light: &LatticeLight,
+        receivers: &[IVec3],
+        bits: u32,
         ask: Ask,
-    ) -> Result<(Vec<W>, Results), GpuError> {
-        if light.columns > W::BITS {
-            return Err(GpuError::WordTooNarrow { columns: light.columns, bits: W::BITS });
+    ) -> Result<(Results, Statistics), GpuError> {
+        if light.columns > bits {
+            return Err(GpuError::WordTooNarrow { columns: light.columns, bits });
         }
         let counts =
             [("vertices", scene.vertices.len()), ("triangles", scene.triangles.len()), ("receivers", receivers.len())];
@@ -151,10 +168,11 @@ impl WgpuExecutor {
             }
         }
         let wanted = Wanted {
-            resolve: resolve_kernel(W::BITS, self.precision, ask.counts),
-            stride: stride(light.rows, W::BITS),
+            resolve: resolve_kernel(bits, self.precision, ask.counts),
+            stride: stride(light.rows, bits),
             masks: ask.masks,
             counts: ask.counts,
+            slice: if self.gpu.software { SOFTWARE_SLICE } else { u32::MAX },
         };
         let in_memory = MASK_BYTES / (4 * u64::from(wanted.stride));
         let plan = Plan::new(SceneFacts {
@@ -169,13 +187,26 @@ impl WgpuExecutor {
         let grid = LightGrid::new(*light);
         let params = Params::new(&grid, &CodeFrame::new(grid.frame.scale, [0.0; 2], 1.0), plan.levels());
         let mut pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        let compiling = pipelines.time();
+        let start = Instant::now();
         let recorder = Recorder::new(&self.gpu.device, &self.gpu.queue, &mut pipelines, params);
         let results = Run::new(&plan, wanted, recorder, scene, light, receivers)?.finish()?;
-        Ok((words(&results.masks, light.rows as usize, wanted.stride as usize), results))
+        let time = start.elapsed().saturating_sub(pipelines.time() - compiling);
+        let counts = ask.counts.then(|| sum(&results.counts));
+        Ok((results, Statistics { time, counts }))
     }
 }
 
-#[derive(Clone, Copy, Default)]
+/// Bits of the narrowest word that holds a row.
+const fn narrowest(light: &LatticeLight) -> u32 {
+    match light.columns {
+        0..=16 => 16,
+        17..=32 => 32,
+        _ => 64,
+    }
+}
+
+#[derive(Clone, Copy)]
 struct Ask {
     masks: bool,
     counts: bool,
@@ -205,9 +236,9 @@ fn words<W: MaskWord>(masks: &[u32], rows: usize, stride: usize) -> Vec<W> {
     out
 }
 
-fn statistics(results: &Results) -> Statistics {
+fn sum(receivers: &[ReceiverCounts]) -> Counts {
     let mut counts = Counts::default();
-    for [tested, kept, relevant, fallbacks] in &results.counts {
+    for [tested, kept, relevant, fallbacks] in receivers {
         counts = counts.plus(Counts {
             pairs_tested: u64::from(*tested),
             pairs_kept: u64::from(*kept),
@@ -215,5 +246,5 @@ fn statistics(results: &Results) -> Statistics {
             fallbacks: u64::from(*fallbacks),
         });
     }
-    Statistics { counts }
+    counts
 }

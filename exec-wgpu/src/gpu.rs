@@ -94,6 +94,8 @@ pub struct Gpu {
     pub queue: Queue,
     /// What it is called in reports.
     pub name: String,
+    /// Whether it is a software driver. Those may stop threads that run for long: their work is cut into smaller pieces.
+    pub software: bool,
 }
 
 impl Gpu {
@@ -129,7 +131,7 @@ impl Gpu {
     }
 
     fn of(adapter: &Adapter) -> Result<Self, GpuError> {
-        let AdapterReport { name, driver, .. } = report(adapter);
+        let AdapterReport { name, driver, hardware, .. } = report(adapter);
         if let Some((limit, has, needs)) = shortages(&adapter.limits()).next() {
             return Err(GpuError::LimitTooSmall { adapter: name, limit, has, needs });
         }
@@ -144,6 +146,6 @@ impl Gpu {
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
             .map_err(|error| GpuError::NoDevice { adapter: name.clone(), reason: error.to_string() })?;
         let name = if driver.is_empty() { name } else { format!("{name}, {driver}") };
-        Ok(Self { device, queue, name })
+        Ok(Self { device, queue, name, software: !hardware })
     }
 }

@@ -1,6 +1,11 @@
 //! Compute pipelines, each made when it is first needed: what a scene does not call for is not compiled.
 
-use std::{borrow::Cow, collections::HashMap, sync::Arc};
+use std::{
+    borrow::Cow,
+    collections::HashMap,
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use umbra4_core::{
     kernel::{Access, Kernel},
@@ -23,16 +28,26 @@ pub(crate) struct Pipeline {
 
 /// The pipelines made so far.
 #[derive(Debug, Default)]
-pub(crate) struct Pipelines(HashMap<Kernel, Arc<Pipeline>>);
+pub(crate) struct Pipelines {
+    made: HashMap<Kernel, Arc<Pipeline>>,
+    time: Duration,
+}
 
 impl Pipelines {
+    /// Time spent on making pipelines so far.
+    pub(crate) fn time(&self) -> Duration {
+        self.time
+    }
+
     /// The pipeline of a kernel.
     pub(crate) fn get(&mut self, device: &Device, kernel: Kernel) -> Result<Arc<Pipeline>, GpuError> {
-        if let Some(pipeline) = self.0.get(&kernel) {
+        if let Some(pipeline) = self.made.get(&kernel) {
             return Ok(pipeline.clone());
         }
+        let start = Instant::now();
         let pipeline = Arc::new(compile(device, kernel)?);
-        self.0.insert(kernel, pipeline.clone());
+        self.time += start.elapsed();
+        self.made.insert(kernel, pipeline.clone());
         Ok(pipeline)
     }
 }

@@ -3,6 +3,7 @@
 use umbra4_core::{
     Executor, LatticeLight, Pass, Plan,
     glam::IVec3,
+    hierarchy::Levels,
     kernel::{Kernel, resolve::ReceiverCounts},
     params::PassParams,
     proj4::{KeyTile, NODE},
@@ -25,6 +26,18 @@ pub(crate) struct Wanted {
     pub(crate) stride: u32,
     pub(crate) masks: bool,
     pub(crate) counts: bool,
+    /// Triangles that a dispatch looks at, at most.
+    pub(crate) slice: u32,
+}
+
+/// The highest level whose nodes stand for no more than `slice` triangles.
+fn slice_level(levels: &Levels, slice: u32) -> usize {
+    let (mut level, mut triangles) = (0, NODE as u64);
+    while level + 1 < levels.count() && triangles * NODE as u64 <= u64::from(slice) {
+        level += 1;
+        triangles *= NODE as u64;
+    }
+    level
 }
 
 /// What came out.
@@ -184,7 +197,12 @@ impl<'a> Run<'a> {
         let pass = PassParams { count, first, stride: self.wanted.stride, ..PassParams::default() };
         let mut bound = vec![&b.receivers, &b.receiver_keys, &b.receiver_order, &b.occluders, &b.nodes, &b.masks];
         bound.extend(&b.counts);
-        self.recorder.add(self.wanted.resolve, pass, &bound)?;
+        // A slice of the triangles after the other: those under each node of one level.
+        let levels = self.plan.levels();
+        let level = slice_level(levels, self.wanted.slice);
+        for base in 0..levels.range(level).len().max(1) as u32 {
+            self.recorder.add(self.wanted.resolve, PassParams { level: level as u32, base, ..pass }, &bound)?;
+        }
         if facts.visibility {
             self.recorder.add(Kernel::Reduce, pass, &[&b.masks, &b.table, &b.visibility])?;
         }

@@ -29,10 +29,12 @@ impl Subject for Wgpu {
     }
 
     fn masks<W: MaskWord>(&self, inputs: &Inputs) -> Result<Vec<W>, String> {
-        self.0.masks::<W>(&scene(inputs), &inputs.light, inputs.receivers.points()).map_err(|error| error.to_string())
+        let done = self.0.masks::<W>(&scene(inputs), &inputs.light, inputs.receivers.points());
+        Ok(done.map_err(|error| error.to_string())?.0)
     }
 
     fn visibility(&self, inputs: &Inputs) -> Result<Vec<f32>, String> {
-        self.0.visibility(&scene(inputs), &inputs.light, inputs.receivers.points()).map_err(|error| error.to_string())
+        let done = self.0.visibility(&scene(inputs), &inputs.light, inputs.receivers.points());
+        Ok(done.map_err(|error| error.to_string())?.0)
     }
 }

@@ -24,6 +24,15 @@ pub(super) fn run() -> Result<(), ProgramError> {
     writeln!(out, "threads          {}", rayon::current_num_threads())?;
     let available: Vec<String> = Isa::available().iter().map(|isa| format!("{isa:?}")).collect();
     writeln!(out, "instruction sets {} (in use: {:?})", available.join(", "), CpuExecutor::new().isa())?;
+    let adapters = umbra4_wgpu::adapters();
+    if adapters.is_empty() {
+        writeln!(out, "GPUs             none")?;
+    }
+    for adapter in adapters {
+        let kind = if adapter.hardware { "" } else { ", in software" };
+        let lacks = if adapter.lacks.is_empty() { "usable".to_owned() } else { adapter.lacks.join("; ") };
+        writeln!(out, "GPU              {} ({}, {}{kind}): {lacks}", adapter.name, adapter.backend, adapter.driver)?;
+    }
     writeln!(out, "\nplan for {} triangles and {} receivers:", EXAMPLE.triangles, EXAMPLE.receivers)?;
     write!(out, "{}", Plan::new(EXAMPLE))?;
     Ok(())

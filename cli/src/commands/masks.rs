@@ -6,20 +6,21 @@ use std::{
 };
 
 use serde_json::json;
-use umbra4_core::{LatticeLight, Lift, MaskWord, glam::IVec3};
-use umbra4_cpu::{CpuExecutor, Occluders, Receivers, Statistics};
+use umbra4_core::{Lift, MaskWord, glam::IVec3};
+use umbra4_cpu::{Occluders, Receivers};
 
 use crate::{
     args::MasksArgs,
     array_file,
     bounds::lattice_around,
     error::ProgramError,
+    executor::{AnyExecutor, Report, Scene},
     light_file, model,
     output::{Prepared, prepare},
 };
 
 pub(super) fn run(args: &MasksArgs) -> Result<(), ProgramError> {
-    let executor = super::executor(&args.work)?;
+    let executor = AnyExecutor::new(&args.work)?;
     let light = light_file::read(&args.light)?.sampled(args.samples)?;
     let model = model::load_f64(&args.model)?;
     let points = array_file::read_points(&args.receivers)?;
@@ -30,7 +31,7 @@ pub(super) fn run(args: &MasksArgs) -> Result<(), ProgramError> {
     let receivers = Receivers::raw_f64(&lattice, &points)?;
 
     let scene = (&occluders, &light, &receivers);
-    let (masks, statistics) = match args.samples {
+    let (masks, report) = match args.samples {
         0..=16 => write_masks::<u16>(&executor, scene, &args.output),
         17..=32 => write_masks::<u32>(&executor, scene, &args.output),
         _ => write_masks::<u64>(&executor, scene, &args.output),
@@ -39,23 +40,20 @@ pub(super) fn run(args: &MasksArgs) -> Result<(), ProgramError> {
     masks.publish()?;
     lattice.map(Prepared::publish).transpose()?;
     if args.stats {
-        writeln!(stdout().lock(), "{}", statistics_json(&statistics))?;
+        writeln!(stdout().lock(), "{}", statistics_json(&report))?;
     }
     Ok(())
 }
 
-type Scene<'a> = (&'a Occluders, &'a LatticeLight, &'a Receivers);
-
 fn write_masks<W: MaskWord + npyz::AutoSerialize>(
-    executor: &CpuExecutor,
-    (occluders, light, receivers): Scene<'_>,
+    executor: &AnyExecutor,
+    scene: Scene<'_>,
     path: &Path,
-) -> Result<(Prepared, Statistics), ProgramError> {
-    let (masks, statistics) = executor.masks::<W>(occluders, light, receivers)?;
-    let shape = [receivers.len() as u64, u64::from(light.rows)];
-    let words = masks.words().iter().copied();
-    let prepared = prepare(path, |writer| Ok(array_file::write_array(writer, &shape, words)?))?;
-    Ok((prepared, statistics))
+) -> Result<(Prepared, Report), ProgramError> {
+    let (masks, report) = executor.masks::<W>(scene)?;
+    let shape = [scene.2.len() as u64, u64::from(scene.1.rows)];
+    let prepared = prepare(path, |writer| Ok(array_file::write_array(writer, &shape, masks)?))?;
+    Ok((prepared, report))
 }
 
 fn write_lattice((occluders, light, receivers): Scene<'_>, path: &Path) -> Result<Prepared, ProgramError> {
@@ -72,12 +70,12 @@ fn write_lattice((occluders, light, receivers): Scene<'_>, path: &Path) -> Resul
 }
 
 /// Seconds are those of index and masks: files and their parsing are not in them.
-fn statistics_json(statistics: &Statistics) -> serde_json::Value {
+fn statistics_json(report: &Report) -> serde_json::Value {
     let by_stage: serde_json::Map<String, serde_json::Value> =
-        statistics.seconds_by_stage.iter().map(|(name, seconds)| ((*name).to_owned(), json!(seconds))).collect();
-    let counts = statistics.counts;
+        report.seconds_by_stage.iter().map(|(name, seconds)| (name.clone(), json!(seconds))).collect();
+    let counts = report.counts;
     json!({
-        "seconds": statistics.seconds(),
+        "seconds": report.seconds(),
         "seconds_by_stage": by_stage,
         "pairs_tested": counts.pairs_tested,
         "pairs_kept": counts.pairs_kept,

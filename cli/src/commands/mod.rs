@@ -4,11 +4,8 @@ mod info;
 mod masks;
 mod render;
 
-use rayon::ThreadPoolBuilder;
-use umbra4_cpu::CpuExecutor;
-
 use crate::{
-    args::{Args, Command, RenderArgs, WorkArgs},
+    args::{Args, Command, RenderArgs},
     error::ProgramError,
 };
 
@@ -23,16 +20,4 @@ pub fn run(args: &Args) -> Result<(), ProgramError> {
         Some(Command::Masks(args)) => masks::run(args),
         Some(Command::Info) => info::run(),
     }
-}
-
-/// An executor on rayon's global threads, whose number holds for the rest of the program too.
-fn executor(work: &WorkArgs) -> Result<CpuExecutor, ProgramError> {
-    if let Some(threads) = work.threads {
-        let threads = usize::from(threads);
-        ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build_global()
-            .map_err(|e| ProgramError::Threads { threads, reason: e.to_string() })?;
-    }
-    Ok(CpuExecutor::new().with_precision(work.precision.into()))
 }

@@ -13,6 +13,7 @@ use crate::{
     builtin::BuiltinScene,
     camera::Camera,
     error::ProgramError,
+    executor::AnyExecutor,
     fit, light_file,
     model::{self, Model},
     picture::PictureFormat,
@@ -38,7 +39,7 @@ const LIGHT_DISTANCE: f64 = 1.0;
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     let format = PictureFormat::of(&args.output)?;
-    let executor = super::executor(&args.work)?;
+    let executor = AnyExecutor::new(&args.work)?;
     let (width, height) = args.pixels();
     let fine = |pixels: u32| pixels * args.oversample;
     let pixels = u64::from(fine(width)) * u64::from(fine(height));
@@ -66,9 +67,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     let statistics = stages.run("shadows", || {
         let statistics;
         if args.view == View::Pairs {
-            (pairs, statistics) = executor.pairs_per_receiver(&occluders, &light, &receivers)?;
+            (pairs, statistics) = executor.pairs_per_receiver((&occluders, &light, &receivers))?;
         } else {
-            (visibility, statistics) = executor.visibility(&occluders, &light, &receivers)?;
+            (visibility, statistics) = executor.visibility((&occluders, &light, &receivers))?;
         }
         Ok::<_, ProgramError>(statistics)
     })?;
@@ -90,9 +91,10 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     let samples = scene.light.rows();
     writeln!(
         out,
-        "{} triangles, {} receivers, {samples}×{samples} light samples, {width}×{height} pixels\n",
+        "{} triangles, {} receivers, {samples}×{samples} light samples, {width}×{height} pixels, on {}\n",
         scene.model.triangles.len(),
         receivers.len(),
+        executor.name(),
     )?;
     writeln!(out, "{}", stages.table())?;
     writeln!(out, "pairs tested       {:>12}", counts.pairs_tested)?;

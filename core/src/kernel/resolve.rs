@@ -2,13 +2,14 @@
 
 use crate::{
     edge_plane::Occluder,
+    hierarchy::Root,
     kernel::{fetch, point, store},
     mask_word::{MaskWord, PairWord},
     order::Entry,
     params::Params,
     precision::PrecisionMode,
     proj4::{KeyTile, Keys, NOTHING},
-    row_mask::{MASK_ROWS, MaskRows},
+    row_mask::{MASK_ROWS, MaskRows, is_full},
     stage::resolve::{Group, resolve_among},
 };
 
@@ -16,6 +17,8 @@ use crate::{
 pub trait DeviceWord: MaskWord {
     /// Word `k` of a mask in memory. `halves`: rows are stored as words of 16 bits.
     fn stored(mask: &MaskRows<Self>, rows: usize, k: usize, halves: bool) -> u32;
+    /// The inverse: puts word `k` into the rows that it holds.
+    fn load(mask: &mut MaskRows<Self>, k: usize, halves: bool, word: u32);
 }
 
 #[inline(always)]
@@ -28,6 +31,18 @@ impl DeviceWord for u32 {
     fn stored(mask: &MaskRows<Self>, rows: usize, k: usize, halves: bool) -> u32 {
         if halves { row(mask, rows, 2 * k) | row(mask, rows, 2 * k + 1) << 16 } else { row(mask, rows, k) }
     }
+
+    #[inline(always)]
+    fn load(mask: &mut MaskRows<Self>, k: usize, halves: bool, word: u32) {
+        if halves {
+            mask[2 * k % MASK_ROWS] = word & 0xffff;
+            // Beyond an odd number of rows lie full words.
+            let odd = (2 * k + 1) % MASK_ROWS;
+            mask[odd] = if mask[odd] == 0 { word >> 16 } else { mask[odd] };
+        } else {
+            mask[k % MASK_ROWS] = word;
+        }
+    }
 }
 
 impl DeviceWord for PairWord {
@@ -35,6 +50,16 @@ impl DeviceWord for PairWord {
     fn stored(mask: &MaskRows<Self>, rows: usize, k: usize, _: bool) -> u32 {
         let word = row(mask, rows, k / 2);
         if k & 1 == 0 { word.low } else { word.high }
+    }
+
+    #[inline(always)]
+    fn load(mask: &mut MaskRows<Self>, k: usize, _: bool, word: u32) {
+        let row = k / 2 % MASK_ROWS;
+        if k & 1 == 0 {
+            mask[row].low = word;
+        } else {
+            mask[row].high = word;
+        }
     }
 }
 
@@ -46,7 +71,10 @@ pub const fn stride(rows: u32, bits: u32) -> u32 {
 /// Counts of one receiver: pairs tested, kept, relevant; signs decided in integers.
 pub type ReceiverCounts = [u32; 4];
 
-/// The `id`-th receiver in the order of a block: its mask, and what was done for it.
+/// The `id`-th receiver in the order of a block: the triangles under one node of the hierarchy are added to its mask.
+/// Those under the first of them start an empty one. Returns its index, and what was done for it.
+///
+/// (A driver may stop a thread that runs for too long: lavapipe ends all loops after 65,535 rounds together.)
 #[inline(always)]
 pub fn resolve<W: DeviceWord, P: PrecisionMode>(
     id: usize,
@@ -72,9 +100,20 @@ pub fn resolve<W: DeviceWord, P: PrecisionMode>(
         Some(p) if entry.code != Entry::ABSENT => group.set(0, p, &own),
         _ => group.set_behind(0, &grid.light),
     }
-    resolve_among::<f32, W, P>(&grid, &levels, nodes, occluders, &mut group);
     let halves = pass.stride < grid.light.rows;
     let mut k = 0;
+    if pass.base > 0 {
+        while k < pass.stride as usize {
+            W::load(&mut group.masks[0], k, halves, fetch(masks, index * pass.stride as usize + k, 0));
+            k += 1;
+        }
+        if is_full(&group.masks[0], grid.light.columns) {
+            return (index, [0; 4]);
+        }
+        k = 0;
+    }
+    let root = Root { level: pass.level as usize, tile: pass.base };
+    resolve_among::<f32, W, P>(&grid, &levels, root, nodes, occluders, &mut group);
     while k < pass.stride as usize {
         store(masks, index * pass.stride as usize + k, W::stored(&group.masks[0], rows, k, halves));
         k += 1;
@@ -97,5 +136,7 @@ pub fn resolve_counted<W: DeviceWord, P: PrecisionMode>(
     counts: &mut [ReceiverCounts],
 ) {
     let (index, own) = resolve::<W, P>(id, params, receivers, keys, order, occluders, nodes, masks);
-    store(counts, index, own);
+    let before = if params.pass().base > 0 { fetch(counts, index, [0; 4]) } else { [0; 4] };
+    let sums = [before[0] + own[0], before[1] + own[1], before[2] + own[2], before[3] + own[3]];
+    store(counts, index, sums);
 }

@@ -9,7 +9,7 @@ use crate::{
     bit_mask,
     doubt::PairIntegers,
     edge_plane::{LightGrid, Lines, Occluder, PairPlanes, ReceiverTile},
-    hierarchy::{Levels, Walk},
+    hierarchy::{Levels, Root, Walk},
     lanes::{Lanes, TILE},
     light::LatticeLight,
     mask_word::MaskWord,
@@ -117,20 +117,21 @@ impl<W> Group<W> {
 #[inline(always)]
 pub fn resolve<L: Lanes, W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
     let Occlusion { grid, levels, nodes, occluders } = scene;
-    resolve_among::<L, W, P>(grid, levels, nodes, occluders, group);
+    resolve_among::<L, W, P>(grid, levels, Root::top(levels), nodes, occluders, group);
 }
 
-/// As [`resolve`], for a GPU, where no structure holds slices.
+/// As [`resolve`], with the triangles below `root`. (On a GPU no structure holds slices.)
 #[inline(always)]
 pub fn resolve_among<L: Lanes, W: MaskWord, P: PrecisionMode>(
     grid: &LightGrid,
     levels: &Levels,
+    root: Root,
     nodes: &[KeyTile],
     occluders: &[Occluder],
     group: &mut Group<W>,
 ) {
     if group.active != 0 {
-        descend::<L, W, P>(grid, levels, nodes, occluders, group);
+        descend::<L, W, P>(grid, levels, root, nodes, occluders, group);
     }
     group.sum_relevant();
 }
@@ -140,12 +141,16 @@ pub fn resolve_among<L: Lanes, W: MaskWord, P: PrecisionMode>(
 fn descend<L: Lanes, W: MaskWord, P: PrecisionMode>(
     grid: &LightGrid,
     levels: &Levels,
+    root: Root,
     nodes: &[KeyTile],
     occluders: &[Occluder],
     group: &mut Group<W>,
 ) {
     let need = group_need(group.active, &group.needs);
-    let mut walk = Walk::new::<L>(levels, nodes, &need);
+    let mut walk = Walk::new::<L>(levels, root, nodes, &need);
+    if !walk.is_open() {
+        return;
+    }
     let mut meeting = Meeting::<L::Long>::new::<L, W, P>(grid, group);
     while let Some((tile, mut bits)) = walk.next::<L>(nodes, &need) {
         if tile as usize >= nodes.len() {

@@ -1,0 +1,159 @@
+//! Where the work is done: on the processor, or on a GPU. The bits are the same.
+
+use umbra4_core::{Counts, LatticeLight, MaskWord};
+use umbra4_cpu::{CpuExecutor, Occluders, Receivers};
+use umbra4_wgpu::{Choice, Gpu, LatticeScene, WgpuExecutor};
+
+use crate::{
+    args::{ExecutorArg, PrecisionArg, WorkArgs},
+    error::ProgramError,
+};
+
+/// What is asked about.
+pub type Scene<'a> = (&'a Occluders, &'a LatticeLight, &'a Receivers);
+
+/// An executor of either kind.
+pub enum AnyExecutor {
+    /// On rayon's threads.
+    Cpu(CpuExecutor),
+    /// On a GPU.
+    Gpu(Box<WgpuExecutor>),
+}
+
+/// What a run did, whoever ran it.
+#[derive(Clone, Debug, Default)]
+pub struct Report {
+    /// Names of stages, and their seconds.
+    pub seconds_by_stage: Vec<(String, f64)>,
+    /// Pairs and fallbacks.
+    pub counts: Counts,
+}
+
+impl Report {
+    /// All stages.
+    pub fn seconds(&self) -> f64 {
+        self.seconds_by_stage.iter().map(|(_, seconds)| seconds).sum()
+    }
+}
+
+impl From<umbra4_cpu::Statistics> for Report {
+    fn from(statistics: umbra4_cpu::Statistics) -> Self {
+        let stages = statistics.seconds_by_stage.iter().map(|(name, s)| ((*name).to_owned(), *s));
+        Self { seconds_by_stage: stages.collect(), counts: statistics.counts }
+    }
+}
+
+impl From<umbra4_wgpu::Statistics> for Report {
+    fn from(statistics: umbra4_wgpu::Statistics) -> Self {
+        Self {
+            seconds_by_stage: vec![("gpu".to_owned(), statistics.time.as_secs_f64())],
+            counts: statistics.counts.unwrap_or_default(),
+        }
+    }
+}
+
+impl AnyExecutor {
+    /// The one that the command line asks for. Threads of the processor are rayon's global ones: their number holds for the
+    /// rest of the program too.
+    ///
+    /// # Errors
+    /// The system refuses the threads; there is no such adapter.
+    pub fn new(work: &WorkArgs) -> Result<Self, ProgramError> {
+        if let Some(threads) = work.threads {
+            let threads = usize::from(threads);
+            rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build_global()
+                .map_err(|e| ProgramError::Threads { threads, reason: e.to_string() })?;
+        }
+        let choice = work.adapter.clone().map_or(Choice::Hardware, Choice::Named);
+        Ok(match work.executor {
+            ExecutorArg::Cpu => Self::cpu(work.precision),
+            ExecutorArg::Gpu => Self::gpu(Gpu::open(&choice)?, work.precision),
+            ExecutorArg::Auto => {
+                Gpu::open(&choice).map_or_else(|_| Self::cpu(work.precision), |gpu| Self::gpu(gpu, work.precision))
+            }
+        })
+    }
+
+    fn cpu(precision: PrecisionArg) -> Self {
+        Self::Cpu(CpuExecutor::new().with_precision(match precision {
+            PrecisionArg::Exact => umbra4_cpu::Precision::Exact,
+            PrecisionArg::Fast => umbra4_cpu::Precision::Fast,
+        }))
+    }
+
+    fn gpu(gpu: Gpu, precision: PrecisionArg) -> Self {
+        let executor = WgpuExecutor::new(gpu).with_counts(true).with_precision(match precision {
+            PrecisionArg::Exact => umbra4_wgpu::Precision::Exact,
+            PrecisionArg::Fast => umbra4_wgpu::Precision::Fast,
+        });
+        Self::Gpu(Box::new(executor))
+    }
+
+    /// What it runs on.
+    pub fn name(&self) -> String {
+        match self {
+            Self::Cpu(cpu) => format!("cpu, {} threads, {}", rayon::current_num_threads(), cpu.isa()),
+            Self::Gpu(gpu) => gpu.gpu().name.clone(),
+        }
+    }
+
+    /// The masks of all receivers, receiver-major.
+    ///
+    /// # Errors
+    /// The executor's.
+    pub fn masks<W: MaskWord>(&self, scene: Scene<'_>) -> Result<(Vec<W>, Report), ProgramError> {
+        let (occluders, light, receivers) = scene;
+        match self {
+            Self::Cpu(cpu) => {
+                let (masks, statistics) = cpu.masks::<W>(occluders, light, receivers)?;
+                Ok((masks.into_words(), statistics.into()))
+            }
+            Self::Gpu(gpu) => {
+                let (masks, statistics) = gpu.masks::<W>(&on_lattice(occluders), light, receivers.points())?;
+                Ok((masks, statistics.into()))
+            }
+        }
+    }
+
+    /// The fraction of lit samples of every receiver.
+    ///
+    /// # Errors
+    /// The executor's.
+    pub fn visibility(&self, scene: Scene<'_>) -> Result<(Vec<f32>, Report), ProgramError> {
+        let (occluders, light, receivers) = scene;
+        match self {
+            Self::Cpu(cpu) => {
+                let (visibility, statistics) = cpu.visibility(occluders, light, receivers)?;
+                Ok((visibility, statistics.into()))
+            }
+            Self::Gpu(gpu) => {
+                let (visibility, statistics) = gpu.visibility(&on_lattice(occluders), light, receivers.points())?;
+                Ok((visibility, statistics.into()))
+            }
+        }
+    }
+
+    /// How many triangles block something from each receiver.
+    ///
+    /// # Errors
+    /// The executor's.
+    pub fn pairs_per_receiver(&self, scene: Scene<'_>) -> Result<(Vec<u32>, Report), ProgramError> {
+        let (occluders, light, receivers) = scene;
+        match self {
+            Self::Cpu(cpu) => {
+                let (pairs, statistics) = cpu.pairs_per_receiver(occluders, light, receivers)?;
+                Ok((pairs, statistics.into()))
+            }
+            Self::Gpu(gpu) => {
+                let (pairs, statistics) = gpu.pairs_per_receiver(&on_lattice(occluders), light, receivers.points())?;
+                Ok((pairs, statistics.into()))
+            }
+        }
+    }
+}
+
+fn on_lattice(occluders: &Occluders) -> LatticeScene<'_> {
+    LatticeScene { vertices: occluders.vertices(), triangles: occluders.triangles() }
+}

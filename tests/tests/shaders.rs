@@ -1,0 +1,109 @@
+//! The SPIR-V that users get: up to date, bound as core's table says, and open to browsers.
+
+use std::path::Path;
+
+use naga::{AddressSpace, StorageAccess, back::wgsl, front::spv, valid};
+use sha2::{Digest, Sha256};
+use umbra4_core::kernel::{Access, KernelInfo, TABLE, WORKGROUP};
+use umbra4_wgpu::{code, manifest};
+
+#[path = "../../shaders-rust/generate/src/inputs.rs"]
+mod inputs;
+
+fn root() -> &'static Path {
+    Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
+}
+
+fn parsed() -> serde_json::Value {
+    serde_json::from_str(manifest()).expect("the manifest is JSON")
+}
+
+/// A kernel as naga reads it, validated for any device.
+fn module(info: &KernelInfo) -> (naga::Module, valid::ModuleInfo) {
+    let options = spv::Options { strict_capabilities: true, ..spv::Options::default() };
+    let module = spv::parse_u8_slice(code(info.kernel), &options).unwrap_or_else(|e| panic!("{}: {e}", info.name));
+    // No capability beyond those of WebGPU.
+    let mut validator = valid::Validator::new(valid::ValidationFlags::all(), valid::Capabilities::empty());
+    let found = validator.validate(&module).unwrap_or_else(|e| panic!("{}: {e:?}", info.name));
+    (module, found)
+}
+
+#[test]
+fn the_modules_are_compiled_from_these_sources() {
+    let now = inputs::hash(root()).expect("the sources are there");
+    assert_eq!(
+        parsed()["inputs"],
+        now,
+        "core or the shaders have changed: compile the kernels again, as the README says under \"Kernels\""
+    );
+}
+
+#[test]
+fn a_changed_source_is_noticed() {
+    let folder = std::env::temp_dir().join(format!("umbra4-inputs-{}", std::process::id()));
+    for file in ["core/Cargo.toml", "core/src/a.rs", "shaders-rust/Cargo.toml", "shaders-rust/Cargo.lock"] {
+        let path = folder.join(file);
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder can be made");
+        std::fs::write(path, "one\n").expect("a file can be written");
+    }
+    std::fs::create_dir_all(folder.join("shaders-rust/src")).expect("a folder can be made");
+    let before = inputs::hash(&folder).expect("the files are there");
+    assert_eq!(before, inputs::hash(&folder).expect("the files are there"));
+    std::fs::write(folder.join("core/src/a.rs"), "two\n").expect("a file can be written");
+    assert_ne!(before, inputs::hash(&folder).expect("the files are there"));
+    std::fs::rename(folder.join("core/src/a.rs"), folder.join("core/src/b.rs")).expect("a file can be renamed");
+    std::fs::write(folder.join("core/src/b.rs"), "one\n").expect("a file can be written");
+    assert_ne!(before, inputs::hash(&folder).expect("the files are there"));
+    std::fs::remove_dir_all(folder).expect("the folder can be removed");
+}
+
+#[test]
+fn the_modules_are_those_of_the_manifest() {
+    let manifest = parsed();
+    let modules = manifest["modules"].as_array().expect("a list");
+    assert_eq!(modules.len(), TABLE.len());
+    for (entry, info) in modules.iter().zip(&TABLE) {
+        assert_eq!(entry["entry_point"], info.name);
+        assert_eq!(entry["workgroup"], WORKGROUP);
+        assert_eq!(entry["sha256"], inputs::hexadecimal(&Sha256::digest(code(info.kernel))), "{}", info.name);
+    }
+}
+
+#[test]
+fn the_modules_are_bound_as_the_table_says() {
+    for info in &TABLE {
+        let (module, found) = module(info);
+        let entry = &module.entry_points[0];
+        assert_eq!(module.entry_points.len(), 1);
+        assert_eq!(entry.name, info.name);
+        assert_eq!(entry.workgroup_size, [WORKGROUP, 1, 1], "{}", info.name);
+        let mut bindings: Vec<(u32, bool)> = module
+            .global_variables
+            .iter()
+            .filter(|(handle, _)| !found.get_entry_point(0)[*handle].is_empty())
+            .filter_map(|(_, variable)| {
+                let AddressSpace::Storage { access } = variable.space else { return None };
+                let binding = variable.binding.expect("a storage buffer is bound");
+                assert_eq!(binding.group, 0);
+                Some((binding.binding, access.contains(StorageAccess::STORE)))
+            })
+            .collect();
+        bindings.sort_unstable();
+        let expected = info.bound.iter().map(|bound| bound.access == Access::Write);
+        let expected: Vec<(u32, bool)> = (0..).zip([false].into_iter().chain(expected)).collect();
+        assert_eq!(bindings, expected, "{}", info.name);
+    }
+}
+
+#[test]
+fn every_module_translates_to_wgsl() {
+    for info in &TABLE {
+        let (module, found) = module(info);
+        let text = wgsl::write_string(&module, &found, wgsl::WriterFlags::empty())
+            .unwrap_or_else(|error| panic!("{}: {error}", info.name));
+        let again = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}: {error}", info.name));
+        valid::Validator::new(valid::ValidationFlags::all(), valid::Capabilities::empty())
+            .validate(&again)
+            .unwrap_or_else(|error| panic!("{}: {error:?}", info.name));
+    }
+}
