@@ -6,7 +6,9 @@
 //! # Error bound
 //! The first term has six roundoffs of its own type at most (conversion, product and difference of the normal; product
 //! and two sums), relative to the sum over absolute values, and one when it is rounded to f32; the second a conversion,
-//! a rounding of the normal, a product and two sums; their difference one more. The constants hold one to spare.
+//! a rounding of the normal, a product and two sums; their difference one more. The constants hold one to spare. The
+//! normal's own error counts in both terms: it is relative to its magnitudes, which a sliver's normal is far below. So
+//! those are multiplied with `|a − b| + |p − b|`.
 
 use glam::Vec3;
 
@@ -92,7 +94,8 @@ impl Plane {
         let normal = Vec3::new(normal[0].to_f32(), normal[1].to_f32(), normal[2].to_f32());
         let mut doubt = 0.0;
         if P::CERTIFIED {
-            let lost = L::Long::SIDE_ERROR * cross_magnitudes(float(e), float(f)).dot(float(d).abs());
+            let lost =
+                L::Long::SIDE_ERROR * cross_magnitudes(float(e), float(f)).dot(float(d).abs() + view.offset_limit);
             let near = 7.0 * normal.abs().dot(view.offset_limit) + 3.0 * Lanes::abs(at_base);
             doubt = lost + near * L::ROUNDOFF;
         }
