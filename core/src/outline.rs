@@ -33,8 +33,8 @@
 //! In all less than `ε·(16e + 8)·(1 + |β|)`, which δ takes over.
 //!
 //! *Orientation.* Moving corners by δ changes twice the area by at most `4δ·(w + h) + 16δ²`, w and h the extents of T', and
-//! rounding by less than `δ·(w + h)`. So the sign of T' is that of T where twice its area is at least `6δ·(w + h)` (which
-//! implies w + h ≥ 24δ, and so covers the quadratic term). It tells the receiver's side of the triangle's plane.
+//! rounding by less than `δ·(w + h)`. So the sign of T' is that of T where twice its area is at least `6δ·(w + h)`, and not 0
+//! (which implies w + h ≥ 24δ, and so covers the quadratic term). It tells the receiver's side of the triangle's plane.
 //!
 //! *Flat sides*, of less than 1/32 row, have no usable slope. If no row lies within δ of one, it separates whole rows:
 //! those on the side of the third corner, where the other two sides alone bound T', from those where there is nothing of
@@ -267,7 +267,9 @@ impl<const E: usize> Outlines<E> {
         let mut unknown = wanted & !front;
         let (positive, negative);
         if P::CERTIFIED {
+            // Corners that fall on one point have no orientation.
             let least_area = right.sub(left).add(high.sub(low)).mul(off).mul(L::splat(6.0));
+            let least_area = least_area.max(L::splat(f32::MIN_POSITIVE));
             positive = L::bits(area.ge(least_area));
             negative = L::bits(zero.sub(least_area).ge(area));
             unknown |= !positive & !negative;

@@ -60,6 +60,7 @@ pub const HARD_CASES: &[(&str, HardCase)] = &[
     ("triangle_behind_light", triangle_behind_light),
     ("slivers_of_aspect_a_million", slivers_of_aspect_a_million),
     ("needles_with_a_flat_short_side", needles_with_a_flat_short_side),
+    ("neighbour_at_the_light_plane", neighbour_at_the_light_plane),
     ("zero_area_triangles", zero_area_triangles),
     ("closed_mesh_around_receiver", closed_mesh_around_receiver),
     ("closed_mesh_silhouette", closed_mesh_silhouette),
@@ -363,6 +364,34 @@ fn needles_with_a_flat_short_side(rows: u32, columns: u32) -> Vec<Case> {
         .iter()
         .flat_map(|&light| [false, true].map(|slanting| needles(&mut rng, light, slanting)))
         .collect()
+}
+
+/// Receivers on the floor beside one that all but touches the light plane. An executor that places a group's receivers and
+/// corners from that one knows nothing of where the others see the corners: they may all seem to fall on one point.
+fn neighbour_at_the_light_plane(rows: u32, columns: u32) -> Vec<Case> {
+    let mut rng = Rng::named(5, "neighbour_at_the_light_plane");
+    let light = lamp(rows, columns);
+    let mut cases = Vec::new();
+    for _ in 0..8 {
+        let mut receivers = floor(15);
+        let mut mesh = Mesh::default();
+        let mut blocked = Vec::new();
+        for (r, p) in receivers.iter().enumerate() {
+            let (i, j) = (rng.below(light.rows as usize) as u32, rng.below(light.columns as usize) as u32);
+            let to_sample = light.sample(i, j).as_dvec3() - p.as_dvec3();
+            let corner = |row: f64, column: f64, height: f64| {
+                let beside = light.step_v.as_dvec3() * row + light.step_u.as_dvec3() * column;
+                (p.as_dvec3() + (to_sample + beside) * height).round().as_ivec3()
+            };
+            let height = rng.pick(&[0.25, 0.5, 0.75]);
+            mesh.add_triangle([corner(-0.7, -0.6, height), corner(0.9, -0.5, height), corner(-0.1, 1.1, height)]);
+            blocked.push((r, i, j));
+        }
+        let aside = rng.point(HEIGHT);
+        receivers.push(IVec3::new(aside.x, HEIGHT - 1, aside.z));
+        cases.push(case(light, &receivers, mesh, Check::BlockedAt(blocked)));
+    }
+    cases
 }
 
 /// Needles, each through one sample as its own receiver sees it. The short side spans less than 1/32 row, with no row
