@@ -9,6 +9,7 @@
 //! | [`compare`] | are two results the same bits? |
 //! | [`scene`], [`scenes`], [`meshes`] | scenes in lattice integers, deterministic from a seed |
 //! | [`hard_cases`] | the named cases, each with what must hold beyond equality with the oracle |
+//! | [`gpu`] | the executor on a GPU, for the suite |
 //! | [`suite`], [`ledger`] | one suite, instantiated per word width and executor, and its totals |
 
 pub mod bigint;

@@ -6,10 +6,10 @@ use umbra4_core::{
     frame::LightFrame,
     glam::{IVec3, Vec3},
     lanes::Sixteen,
-    snap::SnapParams,
     order::{CodeFrame, code},
     proj4::{KeyTile, Keys},
     serial::{Serial, SerialError},
+    snap::SnapParams,
     stage::{
         build_level::build_level,
         key_receivers::key_receivers,

@@ -9,6 +9,7 @@
 #[cfg(feature = "with-std")]
 extern crate std;
 
+mod gpu;
 mod host;
 mod kernels;
 
