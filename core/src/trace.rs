@@ -71,8 +71,7 @@ impl<L: Lanes> Side<L> {
         let (zero, off) = (L::splat(0.0), off.add(L::splat(FLAT_MARGIN)));
         let sloped = self.rise.ge(L::splat(FLAT));
         let [one, other] = self.ends;
-        let top = one.max(other).add(off);
-        let stuck = top.integer_below(top.sub(one.min(other).sub(off)));
+        let stuck = meets_row(one.min(other).sub(off), one.max(other).add(off));
         // The third corner tells which rows are inside: a side so short may well run along the columns. (Where that corner is
         // as near, no row lies within the triangle.)
         let middle = one.add(other).mul(L::splat(0.5));
@@ -83,6 +82,19 @@ impl<L: Lanes> Side<L> {
         self.lower = L::either(self.lower, L::not(sloped));
         stuck & !L::bits(sloped)
     }
+}
+
+/// A row, or the nearest place between rows that is off the light: where exactly does not matter there.
+#[inline(always)]
+fn within_rows<L: Lanes>(row: L) -> L {
+    row.max(L::splat(-8.5)).min(L::splat(MAX_SAMPLES as f32 + 8.5))
+}
+
+/// Lanes in which a row of the light lies in `bottom..=top`.
+#[inline(always)]
+fn meets_row<L: Lanes>(bottom: L, top: L) -> u32 {
+    let (bottom, top) = (within_rows(bottom), within_rows(top));
+    top.integer_below(top.sub(bottom))
 }
 
 /// A line so steep that it crosses the whole grid between two rows, as a cut along them.
@@ -101,16 +113,14 @@ impl<L: Lanes> Crossing<L> {
         let upwards = slope.ge(zero);
         let inverse = slope.abs().max(L::splat(1.0e-6)).recip();
         let inverse = L::select(upwards, inverse, zero.sub(inverse));
-        // Rows at which the column is one off the grid, and the doubt more. Beyond the light's rows it does not matter
-        // where: the clamps lie between rows.
+        // Rows at which the column is one off the grid, and the doubt more.
         let one = L::splat(-1.0).sub(doubt).sub(start).mul(inverse);
         let other = L::splat(columns as f32).add(doubt).sub(start).mul(inverse);
-        let (lowest, highest) = (L::splat(-8.5), L::splat(MAX_SAMPLES as f32 + 8.5));
-        let bottom = one.min(other).sub(L::splat(FLAT_MARGIN)).max(lowest).min(highest);
-        let top = one.max(other).add(L::splat(FLAT_MARGIN)).max(lowest).min(highest);
+        let bottom = within_rows(one.min(other).sub(L::splat(FLAT_MARGIN)));
+        let top = within_rows(one.max(other).add(L::splat(FLAT_MARGIN)));
         let cut = L::select(upwards, L::splat(FLAT_SLOPE), L::splat(-FLAT_SLOPE));
         let middle = bottom.add(top).mul(L::splat(0.5));
-        Self { slope: cut, start: zero.sub(cut.mul(middle)), stuck: top.integer_below(top.sub(bottom)) }
+        Self { slope: cut, start: zero.sub(cut.mul(middle)), stuck: meets_row(bottom, top) }
     }
 }
 
