@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
-use umbra4_core::glam::DVec3;
+use umbra4_core::{Precision, glam::DVec3};
 
 /// Exact soft shadows of area lights. Without a command: renders a built-in scene to umbra4.png.
 #[derive(Debug, Parser)]
@@ -149,6 +149,15 @@ pub enum PrecisionArg {
     Exact,
     /// Plain f32
     Fast,
+}
+
+impl From<PrecisionArg> for Precision {
+    fn from(precision: PrecisionArg) -> Self {
+        match precision {
+            PrecisionArg::Exact => Self::Exact,
+            PrecisionArg::Fast => Self::Fast,
+        }
+    }
 }
 
 /// Names of the executors.

@@ -77,18 +77,11 @@ impl AnyExecutor {
     }
 
     fn cpu(precision: PrecisionArg) -> Self {
-        Self::Cpu(CpuExecutor::new().with_precision(match precision {
-            PrecisionArg::Exact => umbra4_cpu::Precision::Exact,
-            PrecisionArg::Fast => umbra4_cpu::Precision::Fast,
-        }))
+        Self::Cpu(CpuExecutor::new().with_precision(precision.into()))
     }
 
     fn gpu(gpu: Gpu, precision: PrecisionArg) -> Self {
-        let executor = WgpuExecutor::new(gpu).with_counts(true).with_precision(match precision {
-            PrecisionArg::Exact => umbra4_wgpu::Precision::Exact,
-            PrecisionArg::Fast => umbra4_wgpu::Precision::Fast,
-        });
-        Self::Gpu(Box::new(executor))
+        Self::Gpu(Box::new(WgpuExecutor::new(gpu).with_counts(true).with_precision(precision.into())))
     }
 
     /// What it runs on.

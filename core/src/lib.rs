@@ -53,7 +53,7 @@ pub use glam;
 pub use lanes::Lanes;
 pub use light::LatticeLight;
 pub use mask_word::{MaskWord, PairWord};
-pub use precision::{Exact, Fast, PrecisionMode};
+pub use precision::{Exact, Fast, Precision, PrecisionMode};
 pub use statistics::Counts;
 pub use surface::Lift;
 

@@ -4,23 +4,13 @@ use std::sync::Arc;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use thiserror::Error;
-use umbra4_core::{Exact, Fast, IndexKind, LatticeLight, MaskWord, Plan, SceneFacts, stage::reduce};
+use umbra4_core::{Exact, Fast, IndexKind, LatticeLight, MaskWord, Plan, Precision, SceneFacts, stage::reduce};
 
 use crate::{
     Index, Isa, Masks, Occluders, Receivers, Statistics,
     run::{How, Run},
     scatter::Scatter,
 };
-
-/// Exact or plain f32.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Precision {
-    /// Every bit is certified, or decided in integers.
-    #[default]
-    Exact,
-    /// Plain f32: no certification, no fallback.
-    Fast,
-}
 
 /// Why a run is refused.
 #[derive(Clone, Debug, PartialEq, Error)]

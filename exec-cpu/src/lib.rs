@@ -11,11 +11,12 @@ mod scene;
 mod simd;
 mod statistics;
 
-pub use executor::{CpuExecutor, ExecutorError, Precision};
+pub use executor::{CpuExecutor, ExecutorError};
 pub use grid::{Binning, GridOptions, Index};
 pub use masks::Masks;
 pub use scene::{Occluders, Receivers, SceneError};
 pub use simd::Isa;
 pub use statistics::Statistics;
 pub use umbra4_core as core;
+pub use umbra4_core::Precision;
 pub use umbra4_core::stage::resolve_cells::Rows;

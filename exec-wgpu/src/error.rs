@@ -1,6 +1,7 @@
 //! What can go wrong on a device.
 
 use thiserror::Error;
+use wgpu::{Device, ErrorFilter};
 
 /// Why the GPU does not answer, or a call is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -83,4 +84,18 @@ pub enum GpuError {
         /// How many can be.
         most: usize,
     },
+}
+
+/// Catches what wgpu would else panic with.
+pub(crate) fn guarded<T>(device: &Device, doing: &'static str, work: impl FnOnce() -> T) -> Result<T, GpuError> {
+    let memory = device.push_error_scope(ErrorFilter::OutOfMemory);
+    let validation = device.push_error_scope(ErrorFilter::Validation);
+    let done = work();
+    let refused = pollster::block_on(validation.pop());
+    let exhausted = pollster::block_on(memory.pop());
+    match (exhausted, refused) {
+        (Some(_), _) => Err(GpuError::OutOfMemory { doing }),
+        (_, Some(error)) => Err(GpuError::Refused { doing, reason: error.to_string() }),
+        _ => Ok(done),
+    }
 }

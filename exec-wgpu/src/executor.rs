@@ -6,7 +6,7 @@ use std::{
 };
 
 use umbra4_core::{
-    Counts, IndexKind, LatticeLight, MaskWord, Plan, SceneFacts,
+    Counts, IndexKind, LatticeLight, MaskWord, Plan, Precision, SceneFacts,
     edge_plane::LightGrid,
     glam::IVec3,
     kernel::{
@@ -23,16 +23,6 @@ use crate::{
     recorder::Recorder,
     run::{Results, Run, Wanted},
 };
-
-/// Exact or plain f32.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Precision {
-    /// Every bit is certified, or decided in integers.
-    #[default]
-    Exact,
-    /// Plain f32: no certification, no fallback. Bits may differ from device to device.
-    Fast,
-}
 
 /// Bytes that the masks of a block take, at most.
 const MASK_BYTES: u64 = 64 << 20;

@@ -16,9 +16,10 @@ mod sort;
 mod statistics;
 
 pub use error::GpuError;
-pub use executor::{Precision, WgpuExecutor};
+pub use executor::WgpuExecutor;
 pub use gpu::{AdapterReport, Choice, Gpu, adapters};
 pub use modules::{code, manifest};
 pub use scene::LatticeScene;
 pub use statistics::Statistics;
+pub use umbra4_core::Precision;
 pub use wgpu;

@@ -13,11 +13,11 @@ use umbra4_core::{
 };
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, BufferBindingType, BufferSize,
-    ComputePipeline, ComputePipelineDescriptor, Device, ErrorFilter, PipelineCompilationOptions,
-    PipelineLayoutDescriptor, ShaderModuleDescriptor, ShaderSource, ShaderStages,
+    ComputePipeline, ComputePipelineDescriptor, Device, PipelineCompilationOptions, PipelineLayoutDescriptor,
+    ShaderModuleDescriptor, ShaderSource, ShaderStages,
 };
 
-use crate::{GpuError, modules};
+use crate::{GpuError, error::guarded, modules};
 
 /// A kernel, ready to run.
 #[derive(Debug)]
@@ -72,28 +72,26 @@ fn compile(device: &Device, kernel: Kernel) -> Result<Pipeline, GpuError> {
     let words: Vec<u32> =
         modules::code(kernel).chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
 
-    let scope = device.push_error_scope(ErrorFilter::Validation);
-    let layout =
-        device.create_bind_group_layout(&BindGroupLayoutDescriptor { label: Some(info.name), entries: &entries });
-    let module = device.create_shader_module(ShaderModuleDescriptor {
-        label: Some(info.name),
-        source: ShaderSource::SpirV(Cow::Owned(words)),
-    });
-    let pipeline_layout = device.create_pipeline_layout(&PipelineLayoutDescriptor {
-        label: Some(info.name),
-        bind_group_layouts: &[Some(&layout)],
-        immediate_size: 0,
-    });
-    let pipeline = device.create_compute_pipeline(&ComputePipelineDescriptor {
-        label: Some(info.name),
-        layout: Some(&pipeline_layout),
-        module: &module,
-        entry_point: Some(info.name),
-        compilation_options: PipelineCompilationOptions::default(),
-        cache: None,
-    });
-    match pollster::block_on(scope.pop()) {
-        None => Ok(Pipeline { layout, pipeline }),
-        Some(error) => Err(GpuError::Refused { doing: info.name, reason: error.to_string() }),
-    }
+    guarded(device, info.name, || {
+        let layout =
+            device.create_bind_group_layout(&BindGroupLayoutDescriptor { label: Some(info.name), entries: &entries });
+        let module = device.create_shader_module(ShaderModuleDescriptor {
+            label: Some(info.name),
+            source: ShaderSource::SpirV(Cow::Owned(words)),
+        });
+        let pipeline_layout = device.create_pipeline_layout(&PipelineLayoutDescriptor {
+            label: Some(info.name),
+            bind_group_layouts: &[Some(&layout)],
+            immediate_size: 0,
+        });
+        let pipeline = device.create_compute_pipeline(&ComputePipelineDescriptor {
+            label: Some(info.name),
+            layout: Some(&pipeline_layout),
+            module: &module,
+            entry_point: Some(info.name),
+            compilation_options: PipelineCompilationOptions::default(),
+            cache: None,
+        });
+        Pipeline { layout, pipeline }
+    })
 }

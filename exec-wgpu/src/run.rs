@@ -9,10 +9,11 @@ use umbra4_core::{
     proj4::{KeyTile, NODE},
     stage::{Stage, reduce},
 };
-use wgpu::{Buffer, BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Device, ErrorFilter, util::DeviceExt};
+use wgpu::{Buffer, BufferDescriptor, BufferUsages, CommandEncoderDescriptor, Device, util::DeviceExt};
 
 use crate::{
     GpuError, LatticeScene,
+    error::guarded,
     readback::{copy, read},
     recorder::Recorder,
     sort,
@@ -104,20 +105,6 @@ fn check_size(device: &Device, what: &'static str, bytes: u64) -> Result<(), Gpu
     let limits = device.limits();
     let limit = limits.max_storage_buffer_binding_size.min(limits.max_buffer_size);
     if bytes > limit { Err(GpuError::TooLarge { what, bytes, limit }) } else { Ok(()) }
-}
-
-/// Catches what wgpu would else panic with.
-fn guarded<T>(device: &Device, doing: &'static str, work: impl FnOnce() -> T) -> Result<T, GpuError> {
-    let memory = device.push_error_scope(ErrorFilter::OutOfMemory);
-    let validation = device.push_error_scope(ErrorFilter::Validation);
-    let done = work();
-    let refused = pollster::block_on(validation.pop());
-    let exhausted = pollster::block_on(memory.pop());
-    match (exhausted, refused) {
-        (Some(_), _) => Err(GpuError::OutOfMemory { doing }),
-        (_, Some(error)) => Err(GpuError::Refused { doing, reason: error.to_string() }),
-        _ => Ok(done),
-    }
 }
 
 impl<'a> Run<'a> {

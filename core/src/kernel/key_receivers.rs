@@ -1,11 +1,11 @@
 //! Kernel `key_receivers`: keys and place on the curve of one receiver.
 
 use crate::{
-    exact::{self, Wide},
     kernel::{point, store},
     order::{Entry, code},
     params::Params,
-    proj4::{Keys, NOTHING, receiver_keys},
+    proj4::{Keys, NOTHING},
+    stage::key_receivers::keys_of,
 };
 
 /// Receiver `first + id` of a block; those behind the light come last in the order.
@@ -18,9 +18,9 @@ pub fn key_receivers(id: usize, params: &Params, receivers: &[[i32; 3]], keys: &
     let mut entry = Entry { code: Entry::ABSENT, index: id as u32 };
     let mut own = NOTHING;
     if let Some(p) = point(receivers, pass.first as usize + id)
-        && !exact::behind_light::<Wide>(&params.light(), p)
+        && let Some(found) = keys_of(&params.frame(), &params.light(), p)
     {
-        own = receiver_keys(&params.frame(), p);
+        own = found;
         entry.code = code(&params.codes(), &own);
     }
     store(keys, id, own);

@@ -115,15 +115,6 @@ const fn write(slot: Slot) -> Bound {
     Bound { slot, access: Access::Write }
 }
 
-const RESOLVE: &[Bound] = &[
-    read(Slot::Receivers),
-    read(Slot::Keys),
-    read(Slot::Order),
-    read(Slot::Occluders),
-    read(Slot::Nodes),
-    write(Slot::Masks),
-];
-
 const RESOLVE_COUNTED: &[Bound] = &[
     read(Slot::Receivers),
     read(Slot::Keys),
@@ -133,6 +124,12 @@ const RESOLVE_COUNTED: &[Bound] = &[
     write(Slot::Masks),
     write(Slot::Counts),
 ];
+
+/// The same but the counts, which come last.
+const RESOLVE: &[Bound] = match RESOLVE_COUNTED {
+    [but_counts @ .., _] => but_counts,
+    [] => &[],
+};
 
 const fn line(kernel: Kernel, name: &'static str, stage: Stage, bound: &'static [Bound]) -> KernelInfo {
     KernelInfo { kernel, name, stage, bound }

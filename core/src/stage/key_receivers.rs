@@ -12,6 +12,11 @@ use crate::{
 /// Keys of receiver `id`. `None` where it is behind the light, and so has every bit of its mask set.
 #[inline]
 pub fn key_receivers(id: usize, frame: &LightFrame, light: &LatticeLight, receivers: &[IVec3]) -> Option<Keys> {
-    let p = *receivers.get(id)?;
+    keys_of(frame, light, *receivers.get(id)?)
+}
+
+/// As [`key_receivers`], of a receiver given by its point.
+#[inline]
+pub fn keys_of(frame: &LightFrame, light: &LatticeLight, p: IVec3) -> Option<Keys> {
     if exact::behind_light::<Wide>(light, p) { None } else { Some(receiver_keys(frame, p)) }
 }
