@@ -1,7 +1,7 @@
 //! Where the work is done: on the processor, or on a GPU. The bits are the same.
 
-use umbra4_core::{Counts, LatticeLight, MaskWord};
-use umbra4_cpu::{CpuExecutor, Occluders, Receivers};
+use umbra4_core::{Counts, LatticeLight};
+use umbra4_cpu::{CpuExecutor, CpuWord, Occluders, Receivers};
 use umbra4_wgpu::{Choice, Gpu, LatticeScene, WgpuExecutor};
 
 use crate::{
@@ -96,7 +96,7 @@ impl AnyExecutor {
     ///
     /// # Errors
     /// The executor's.
-    pub fn masks<W: MaskWord>(&self, scene: Scene<'_>) -> Result<(Vec<W>, Report), ProgramError> {
+    pub fn masks<W: CpuWord>(&self, scene: Scene<'_>) -> Result<(Vec<W>, Report), ProgramError> {
         let (occluders, light, receivers) = scene;
         match self {
             Self::Cpu(cpu) => {

@@ -1,6 +1,11 @@
 //! The order in which receivers are grouped and triangles are packed into the hierarchy: along a Morton curve through
 //! the light's view, with depth. Order decides speed, never a bit.
 
+#[cfg(not(target_arch = "spirv"))]
+use glam::IVec3;
+
+#[cfg(not(target_arch = "spirv"))]
+use crate::{frame::LightFrame, snap::LIMIT};
 use crate::{lanes::Lanes, proj4::Keys};
 
 /// A triangle or receiver to be put in order: by code, then by index, so that the order is the same everywhere.
@@ -66,6 +71,36 @@ impl CodeFrame {
     /// The frame for slopes around a middle, with their typical distance from it.
     pub fn new(scale: [f32; 2], center: [f32; 2], spread: f32) -> Self {
         Self { center, inverse_spread: 1.0 / Lanes::max(spread, 1.0e-6), scale }
+    }
+}
+
+#[cfg(not(target_arch = "spirv"))]
+impl CodeFrame {
+    /// The frame for everything in a box, given by its corners, lattice: the slopes of what lies in the light's half of
+    /// space, nearer parts of which are seen at slopes without bound, count from a tenth of the box' height on.
+    pub fn around(frame: &LightFrame, [min, max]: [IVec3; 2]) -> Self {
+        let inside = |p: IVec3| p.clamp(IVec3::splat(-LIMIT), IVec3::splat(LIMIT));
+        let (min, max) = (inside(min.min(max)), inside(min.max(max)));
+        let corner = |k: usize| {
+            let pick = |bit: usize, low: i32, high: i32| if k >> bit & 1 == 0 { low } else { high };
+            frame.place(IVec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z)))
+        };
+        let highest = (0..8).map(|k| corner(k).w).fold(1.0, f32::max);
+        let seen = |k: usize| {
+            let p = corner(k);
+            let height = Lanes::max(p.w, 0.1 * highest);
+            [(p.a - 0.5 * frame.last_column) / height, (p.b - 0.5 * frame.last_row) / height]
+        };
+        let (mut low, mut high) = ([f32::MAX; 2], [f32::MIN; 2]);
+        for k in 0..8 {
+            for (axis, slope) in seen(k).into_iter().enumerate() {
+                let tangent = slope * frame.scale[axis];
+                low[axis] = Lanes::min(low[axis], tangent);
+                high[axis] = Lanes::max(high[axis], tangent);
+            }
+        }
+        let spread = Lanes::max(high[0] - low[0], high[1] - low[1]);
+        Self::new(frame.scale, [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])], 0.5 * spread)
     }
 }
 

@@ -14,6 +14,34 @@ use crate::{
     order::CodeFrame,
 };
 
+/// Parameters of a kernel. They say how ids are laid out.
+pub trait Dispatched: Sized {
+    /// Ids there are.
+    fn count(&self) -> u32;
+    /// See [`PassParams::row`].
+    fn row(&self) -> u32;
+    /// The same with rows of `row` ids.
+    #[must_use]
+    fn with_row(self, row: u32) -> Self;
+}
+
+impl Dispatched for Params {
+    #[inline(always)]
+    fn count(&self) -> u32 {
+        self.pass[0].x
+    }
+
+    #[inline(always)]
+    fn row(&self) -> u32 {
+        self.pass[1].y
+    }
+
+    fn with_row(mut self, row: u32) -> Self {
+        self.pass[1].y = row;
+        self
+    }
+}
+
 /// One light, the layout of the hierarchy, and one pass.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -37,7 +65,7 @@ pub struct Params {
     /// Where the levels of the hierarchy start, and at last their number.
     levels: [UVec4; 3],
     /// See [`PassParams`].
-    pass: [UVec4; 2],
+    pass: [UVec4; 3],
 }
 
 /// What is different in every pass.
@@ -60,6 +88,12 @@ pub struct PassParams {
     pub elements: u32,
     /// First element of a level of sums, or of nodes; place in its level of the node under which triangles are looked at.
     pub base: u32,
+    /// Pixels of a row of an image.
+    pub width: u32,
+    /// Words of 32 bits from one row of a packed image to the next.
+    pub pitch: u32,
+    /// Pixels that a word of a packed image holds: 1, 2 or 4.
+    pub texels: u32,
 }
 
 impl Params {
@@ -81,7 +115,7 @@ impl Params {
             scale: Vec4::new(frame.scale[0], frame.scale[1], 0.0, 0.0),
             codes: Vec4::new(codes.center[0], codes.center[1], codes.inverse_spread, 0.0),
             levels: words,
-            pass: [UVec4::ZERO; 2],
+            pass: [UVec4::ZERO; 3],
         }
     }
 
@@ -89,15 +123,22 @@ impl Params {
     #[must_use]
     pub fn with_pass(mut self, pass: &PassParams) -> Self {
         let p = pass;
-        self.pass = [UVec4::new(p.count, p.first, p.shift, p.level), UVec4::new(p.stride, p.row, p.elements, p.base)];
+        self.pass = [
+            UVec4::new(p.count, p.first, p.shift, p.level),
+            UVec4::new(p.stride, p.row, p.elements, p.base),
+            UVec4::new(p.width, p.pitch, p.texels, 0),
+        ];
         self
     }
 
     /// The pass.
     #[inline(always)]
     pub fn pass(&self) -> PassParams {
-        let [a, b] = self.pass;
-        PassParams { count: a.x, first: a.y, shift: a.z, level: a.w, stride: b.x, row: b.y, elements: b.z, base: b.w }
+        let [a, b, c] = self.pass;
+        let (count, first, shift, level) = (a.x, a.y, a.z, a.w);
+        let (stride, row, elements, base) = (b.x, b.y, b.z, b.w);
+        let (width, pitch, texels) = (c.x, c.y, c.z);
+        PassParams { count, first, shift, level, stride, row, elements, base, width, pitch, texels }
     }
 
     /// The light.

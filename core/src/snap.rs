@@ -4,6 +4,8 @@
 //! matter, where a processor flushes denormals); `t = trunc y` is exact; `y − t` is exact; the last step is a comparison
 //! with ½. No result depends on a rounding mode.
 
+use glam::{IVec3, Vec3};
+
 /// Lattice coordinates lie strictly between `-LIMIT` and `LIMIT`: differences fit 31 bits, determinants 94.
 pub const LIMIT: i32 = 1 << 29;
 
@@ -15,11 +17,17 @@ pub struct SnapParams {
     pub scale: f32,
 }
 
-/// One coordinate of the f32 snap; `None` where it is NaN, infinite or out of range, told by exponent bits.
+/// Whether a float is neither NaN nor infinite, told by exponent bits.
+#[inline]
+pub fn is_finite(x: f32) -> bool {
+    const EXPONENT: u32 = 0x7f80_0000;
+    x.to_bits() & EXPONENT != EXPONENT
+}
+
+/// One coordinate of the f32 snap; `None` where it is NaN, infinite or out of range.
 #[inline]
 pub fn snap_coordinate(params: &SnapParams, x: f32) -> Option<i32> {
-    const EXPONENT: u32 = 0x7f80_0000;
-    if x.to_bits() & EXPONENT == EXPONENT {
+    if !is_finite(x) {
         return None;
     }
     let y = x * params.scale;
@@ -36,4 +44,10 @@ pub fn snap_coordinate(params: &SnapParams, x: f32) -> Option<i32> {
     } else {
         t
     })
+}
+
+/// One point; `None` where a coordinate is NaN, infinite or out of range.
+#[inline]
+pub fn snap_point(params: &SnapParams, p: Vec3) -> Option<IVec3> {
+    Some(IVec3::new(snap_coordinate(params, p.x)?, snap_coordinate(params, p.y)?, snap_coordinate(params, p.z)?))
 }

@@ -32,6 +32,13 @@ impl Lift {
         if ulps >= 1 && ulps <= 8 { Some(Self(3 * 32 * ulps as i32 + 3 + 1)) } else { None }
     }
 
+    /// Positions whose coordinates are off by up to `error` lattice units, which is at least 0.
+    #[inline]
+    pub fn off_by(error: f32) -> Self {
+        // Rounded up by the cast and one more.
+        Self((3.0 * error) as i32 + 1 + 3 + 1)
+    }
+
     /// A lift that also makes up for `error` lattice units a coordinate, from other roundings; none stays none.
     #[cfg(not(target_arch = "spirv"))]
     pub(crate) fn with_error(self, error: f64) -> Self {

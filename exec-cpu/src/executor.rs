@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use thiserror::Error;
-use umbra4_core::{Exact, Fast, IndexKind, LatticeLight, MaskWord, Plan, Precision, SceneFacts, stage::reduce};
+use umbra4_core::{IndexKind, LatticeLight, MaskWord, Plan, Precision, SceneFacts, stage::reduce};
 
 use crate::{
-    Index, Isa, Masks, Occluders, Receivers, Statistics,
+    CpuWord, Index, Isa, Masks, Occluders, Receivers, Statistics,
     run::{How, Run},
     scatter::Scatter,
 };
@@ -158,7 +158,7 @@ impl CpuExecutor {
     ///
     /// # Errors
     /// The word is too narrow for the light.
-    pub fn masks<W: MaskWord>(
+    pub fn masks<W: CpuWord>(
         &self,
         occluders: &Occluders,
         light: &LatticeLight,
@@ -212,7 +212,7 @@ impl CpuExecutor {
     ///
     /// # Errors
     /// The word is too narrow for the light.
-    pub fn visit<W: MaskWord>(
+    pub fn visit<W: CpuWord>(
         &self,
         occluders: &Occluders,
         light: &LatticeLight,
@@ -245,7 +245,7 @@ impl CpuExecutor {
         Ok((values, statistics))
     }
 
-    fn run<W: MaskWord>(
+    fn run<W: CpuWord>(
         &self,
         occluders: &Occluders,
         light: &LatticeLight,
@@ -260,11 +260,8 @@ impl CpuExecutor {
             options.check()?;
         }
         let plan = self.plan(occluders, receivers, visibility);
-        let how = How { plan: &plan, isa: self.isa, index: self.index };
-        let work = || match self.precision {
-            Precision::Exact => Run::<W, Exact, _>::new(how, occluders, *light, receivers, &visit).finish(),
-            Precision::Fast => Run::<W, Fast, _>::new(how, occluders, *light, receivers, &visit).finish(),
-        };
+        let how = How { plan: &plan, isa: self.isa, precision: self.precision, index: self.index };
+        let work = || Run::<W, _>::new(how, occluders, *light, receivers, &visit).finish();
         match &self.pool {
             Some(pool) => pool.install(work),
             None => work(),

@@ -11,7 +11,7 @@ use std::sync::{
 
 use rayon::prelude::*;
 use umbra4_core::{
-    Counts, MaskWord, PrecisionMode,
+    Counts, Precision,
     edge_plane::{LightGrid, Occluder},
     glam::IVec3,
     grid::{CellRange, Extent, FrameBuffer, FramePlane, MAX_CELLS},
@@ -23,7 +23,7 @@ use umbra4_core::{
     },
 };
 
-use crate::{ExecutorError, Isa, executor::Answer, scatter::Scatter};
+use crate::{ExecutorError, Isa, executor::Answer, scatter::Scatter, word::CpuWord};
 
 /// How triangles and receivers are paired: the masks are the same bits, the time is not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -80,6 +80,7 @@ impl GridOptions {
 pub(crate) struct CellsInput<'a> {
     pub(crate) options: GridOptions,
     pub(crate) isa: Isa,
+    pub(crate) precision: Precision,
     pub(crate) light: &'a LightGrid,
     pub(crate) triangles: &'a [Option<(Keys, Occluder)>],
     /// The block's receivers.
@@ -215,7 +216,7 @@ impl Cells {
     }
 
     /// Algorithm 1, lines 18 to 24, or Algorithm 3. Every receiver of the block is visited once.
-    pub(crate) fn resolve<W: MaskWord, P: PrecisionMode>(
+    pub(crate) fn resolve<W: CpuWord>(
         &self,
         input: &CellsInput<'_>,
         visit: &(impl Fn(Answer<'_, W>) + Sync),
@@ -228,7 +229,7 @@ impl Cells {
         });
         let all: Vec<u32> =
             if self.apart.is_empty() { Vec::new() } else { (0..input.triangles.len() as u32).collect() };
-        let apart = self.resolve_lists::<W, P>(input, &[(&self.apart, &all)], &|index, group, lane| {
+        let apart = self.resolve_lists::<W>(input, &[(&self.apart, &all)], &|index, group, lane| {
             let pairs = group.relevant[lane];
             visit(Answer { receiver: input.first + index, rows: &group.masks[lane][..rows], pairs });
         });
@@ -237,11 +238,11 @@ impl Cells {
             .filter(|(receivers, _)| !receivers.is_empty())
             .collect();
         let counts = match input.options.binning {
-            Binning::OneCell => self.resolve_lists::<W, P>(input, &lists, &|index, group, lane| {
+            Binning::OneCell => self.resolve_lists::<W>(input, &lists, &|index, group, lane| {
                 let pairs = group.relevant[lane];
                 visit(Answer { receiver: input.first + index, rows: &group.masks[lane][..rows], pairs });
             }),
-            Binning::AllCells => self.resolve_shared::<W, P>(input, &lists, visit),
+            Binning::AllCells => self.resolve_shared::<W>(input, &lists, visit),
         };
         apart.plus(counts)
     }
@@ -252,7 +253,7 @@ impl Cells {
     }
 
     /// Lists of receivers, each against its list of triangles. Calls `done(index, group, lane)` for every entry.
-    fn resolve_lists<W: MaskWord, P: PrecisionMode>(
+    fn resolve_lists<W: CpuWord>(
         &self,
         input: &CellsInput<'_>,
         lists: &[(&[u32], &[u32])],
@@ -280,7 +281,7 @@ impl Cells {
                             None => group.set_behind(lane, light),
                         }
                     }
-                    input.isa.resolve_cell::<W, P>(&scene, list, group);
+                    W::resolve_cell(input.isa, input.precision, &scene, list, group);
                     for (lane, &index) in tile.iter().enumerate() {
                         done(index as usize, group, lane);
                     }
@@ -291,7 +292,7 @@ impl Cells {
     }
 
     /// As [`Cells::resolve_lists`], where a receiver is in several cells: its masks are put together, then visited.
-    fn resolve_shared<W: MaskWord, P: PrecisionMode>(
+    fn resolve_shared<W: CpuWord>(
         &self,
         input: &CellsInput<'_>,
         lists: &[(&[u32], &[u32])],
@@ -301,7 +302,7 @@ impl Cells {
         let count = input.keys.len();
         let empty = || SharedMasks { words: vec![W::EMPTY; SHARED * rows], pairs: [0; SHARED], met: 0 };
         let blocks: Vec<_> = (0..count.div_ceil(SHARED)).map(|_| Mutex::new(empty())).collect();
-        let counts = self.resolve_lists::<W, P>(input, lists, &|index, group, lane| {
+        let counts = self.resolve_lists::<W>(input, lists, &|index, group, lane| {
             let mut block = blocks[index / SHARED].lock().unwrap_or_else(PoisonError::into_inner);
             let SharedMasks { words, pairs, met } = &mut *block;
             let k = index % SHARED;

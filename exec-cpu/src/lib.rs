@@ -10,6 +10,7 @@ mod scatter;
 mod scene;
 mod simd;
 mod statistics;
+mod word;
 
 pub use executor::{CpuExecutor, ExecutorError};
 pub use grid::{Binning, GridOptions, Index};
@@ -20,3 +21,4 @@ pub use statistics::Statistics;
 pub use umbra4_core as core;
 pub use umbra4_core::Precision;
 pub use umbra4_core::stage::resolve_cells::Rows;
+pub use word::CpuWord;

@@ -4,7 +4,7 @@ use std::{marker::PhantomData, sync::Mutex, time::Instant};
 
 use rayon::prelude::*;
 use umbra4_core::{
-    Counts, Executor, LatticeLight, MaskWord, Pass, Plan, PrecisionMode,
+    Counts, Executor, LatticeLight, Pass, Plan, Precision,
     edge_plane::{LightGrid, Occluder},
     lanes::TILE,
     order::Entry,
@@ -23,6 +23,7 @@ use crate::{
     executor::Answer,
     grid::{Cells, CellsInput},
     order::ordered,
+    word::CpuWord,
 };
 
 /// Groups a job: enough to pay for the job, few enough to share the work evenly.
@@ -33,12 +34,13 @@ const GROUPS_A_JOB: usize = 16;
 pub(crate) struct How<'a> {
     pub(crate) plan: &'a Plan,
     pub(crate) isa: Isa,
+    pub(crate) precision: Precision,
     pub(crate) index: Index,
 }
 
 /// An executor for one light and one set of receivers. Masks go to `visit` as soon as they are done; reducing them is
 /// the visitor's, so that they need not be stored.
-pub(crate) struct Run<'a, W, P, V> {
+pub(crate) struct Run<'a, W, V> {
     how: How<'a>,
     occluders: &'a Occluders,
     receivers: &'a Receivers,
@@ -51,10 +53,10 @@ pub(crate) struct Run<'a, W, P, V> {
     receiver_order: Vec<Entry>,
     cells: Cells,
     statistics: Statistics,
-    kind: PhantomData<(W, P)>,
+    kind: PhantomData<W>,
 }
 
-impl<'a, W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, P, V> {
+impl<'a, W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, V> {
     pub(crate) fn new(
         how: How<'a>,
         occluders: &'a Occluders,
@@ -134,7 +136,8 @@ impl<'a, W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, 
             occluders: &self.in_order,
         };
         let light = &self.grid.light;
-        let (isa, visit, points, keys) = (self.how.isa, self.visit, self.receivers.points(), &self.receiver_keys);
+        let (How { isa, precision, .. }, visit) = (self.how, self.visit);
+        let (points, keys) = (self.receivers.points(), &self.receiver_keys);
         let total = Mutex::new(Counts::default());
         let empty = Group::<W>::empty(light.rows);
         self.receiver_order.par_chunks(TILE * GROUPS_A_JOB).for_each_init(
@@ -150,7 +153,7 @@ impl<'a, W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, 
                             None => group.set_behind(lane, light),
                         }
                     }
-                    isa.resolve::<W, P>(&scene, group);
+                    W::resolve(isa, precision, &scene, group);
                     counts = counts.plus(group.counts);
                     for (lane, entry) in entries.iter().enumerate() {
                         visit(Answer {
@@ -169,13 +172,14 @@ impl<'a, W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, 
     }
 }
 
-impl<W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'_, W, P, V> {
+impl<W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'_, W, V> {
     /// The stages of the grid, for the block of `count` receivers from `first`.
     fn run_cells(&mut self, stage: Stage, first: usize) -> Result<(), ExecutorError> {
         let Index::Grid(options) = self.how.index else { return Ok(()) };
         let input = CellsInput {
             options,
             isa: self.how.isa,
+            precision: self.how.precision,
             light: &self.grid,
             triangles: &self.triangles,
             points: &self.receivers.points()[first..][..self.receiver_keys.len()],
@@ -187,7 +191,7 @@ impl<W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'_, W, P, V
             Stage::BinReceivers => self.statistics.receiver_entries += self.cells.bin_receivers(&input)?,
             Stage::BinTriangles => self.statistics.triangle_entries += self.cells.bin_triangles(&input)?,
             _ => {
-                let counts = self.cells.resolve::<W, P>(&input, self.visit);
+                let counts = self.cells.resolve::<W>(&input, self.visit);
                 self.statistics.counts = self.statistics.counts.plus(counts);
             }
         }
@@ -195,7 +199,7 @@ impl<W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Run<'_, W, P, V
     }
 }
 
-impl<W: MaskWord, P: PrecisionMode, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W, P, V> {
+impl<W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W, V> {
     type Error = ExecutorError;
 
     fn dispatch(&mut self, pass: &Pass) -> Result<(), ExecutorError> {

@@ -1,6 +1,7 @@
 //! What can go wrong on a device.
 
 use thiserror::Error;
+use umbra4_core::{LatticeError, LightError};
 use wgpu::{Device, ErrorFilter};
 
 /// Why the GPU does not answer, or a call is refused.
@@ -73,6 +74,27 @@ pub enum GpuError {
         columns: u32,
         /// Bits of the word.
         bits: u32,
+    },
+    /// Something that the engine hands over cannot be used.
+    #[error("{field} is {value}: {needs}")]
+    Field {
+        /// Which: `meshes[2].vertices.stride`.
+        field: String,
+        /// Its value.
+        value: String,
+        /// What is needed.
+        needs: &'static str,
+    },
+    /// No lattice holds the bounds of the frame.
+    #[error("bounds: {0}")]
+    Bounds(#[from] LatticeError),
+    /// A light cannot be rounded to the lattice.
+    #[error("lights[{index}]: {source}")]
+    Light {
+        /// Which.
+        index: usize,
+        /// Why.
+        source: LightError,
     },
     /// There are more elements than a 32-bit index can name.
     #[error("{count} {field} are too many: at most {most} can be indexed")]

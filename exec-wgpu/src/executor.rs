@@ -7,29 +7,20 @@ use std::{
 
 use umbra4_core::{
     Counts, IndexKind, LatticeLight, MaskWord, Plan, Precision, SceneFacts,
-    edge_plane::LightGrid,
     glam::IVec3,
-    kernel::{
-        Kernel,
-        resolve::{ReceiverCounts, stride},
-    },
-    order::CodeFrame,
-    params::Params,
+    kernel::resolve::{ReceiverCounts, stride},
+    stage::reduce,
 };
 
 use crate::{
-    Gpu, GpuError, LatticeScene, Statistics,
-    pipelines::Pipelines,
+    Gpu, GpuError, LatticeScene, Loading, Statistics,
+    host::{Asked, Host, Results},
     recorder::Recorder,
-    run::{Results, Run, Wanted},
+    scratch::Scratch,
+    stages::{BLOCK, Buffers, Layout, Stages, narrowest},
+    timing::Timing,
 };
 
-/// Bytes that the masks of a block take, at most.
-const MASK_BYTES: u64 = 64 << 20;
-/// Triangles that a dispatch of a software driver looks at: lavapipe ends loops after 65,535 rounds.
-const SOFTWARE_SLICE: u32 = 256;
-/// Receivers of a block, at most.
-const BLOCK: u32 = 1 << 20;
 /// Largest number of elements of one kind.
 const MOST: usize = (u32::MAX - 1) as usize;
 
@@ -55,15 +46,32 @@ const MOST: usize = (u32::MAX - 1) as usize;
 pub struct WgpuExecutor {
     gpu: Gpu,
     precision: Precision,
+    loading: Loading,
     counted: bool,
-    pipelines: Mutex<Pipelines>,
+    timed: bool,
     block: u32,
+    work: Mutex<Option<Work>>,
+}
+
+/// What is kept from run to run.
+#[derive(Debug)]
+struct Work {
+    recorder: Recorder,
+    scratch: Scratch,
 }
 
 impl WgpuExecutor {
     /// An exact executor. Kernels are compiled when they are first needed.
     pub fn new(gpu: Gpu) -> Self {
-        Self { gpu, precision: Precision::Exact, counted: false, pipelines: Mutex::default(), block: BLOCK }
+        Self {
+            gpu,
+            precision: Precision::Exact,
+            loading: Loading::Checked,
+            counted: false,
+            timed: false,
+            block: BLOCK,
+            work: Mutex::default(),
+        }
     }
 
     /// Chooses the precision.
@@ -87,6 +95,25 @@ impl WgpuExecutor {
         self
     }
 
+    /// Takes the time of every stage on the device, where it has timestamps. Stages no longer overlap then.
+    #[must_use]
+    pub fn with_stage_times(mut self, timed: bool) -> Self {
+        self.timed = timed;
+        self.work = Mutex::default();
+        self
+    }
+
+    /// Chooses how kernels reach the driver: the same bits in another time.
+    ///
+    /// # Errors
+    /// The device cannot load them so.
+    pub fn with_loading(mut self, loading: Loading) -> Result<Self, GpuError> {
+        loading.check(&self.gpu.device)?;
+        self.loading = loading;
+        self.work = Mutex::default();
+        Ok(self)
+    }
+
     /// The device.
     pub fn gpu(&self) -> &Gpu {
         &self.gpu
@@ -102,7 +129,7 @@ impl WgpuExecutor {
         light: &LatticeLight,
         receivers: &[IVec3],
     ) -> Result<(Vec<W>, Statistics), GpuError> {
-        let ask = Ask { masks: true, counts: self.counted, visibility: false };
+        let ask = Asked { masks: true, counts: self.counted, visibility: false };
         let (results, statistics) = self.run(scene, light, receivers, W::BITS, ask)?;
         Ok((words(&results.masks, light.rows as usize, stride(light.rows, W::BITS) as usize), statistics))
     }
@@ -117,9 +144,10 @@ impl WgpuExecutor {
         light: &LatticeLight,
         receivers: &[IVec3],
     ) -> Result<(Vec<f32>, Statistics), GpuError> {
-        let ask = Ask { masks: false, counts: self.counted, visibility: true };
+        let ask = Asked { masks: false, counts: self.counted, visibility: true };
         let (results, statistics) = self.run(scene, light, receivers, narrowest(light), ask)?;
-        Ok((results.visibility, statistics))
+        let samples = light.sample_count();
+        Ok((results.lit.iter().map(|&lit| reduce::visibility(lit, samples)).collect(), statistics))
     }
 
     /// How many triangles block at least one sample of each receiver; for receivers in full shadow, how many were met
@@ -133,7 +161,7 @@ impl WgpuExecutor {
         light: &LatticeLight,
         receivers: &[IVec3],
     ) -> Result<(Vec<u32>, Statistics), GpuError> {
-        let ask = Ask { masks: false, counts: true, visibility: false };
+        let ask = Asked { masks: false, counts: true, visibility: false };
         let (results, statistics) = self.run(scene, light, receivers, narrowest(light), ask)?;
         Ok((results.counts.iter().map(|[_, _, relevant, _]| *relevant).collect(), statistics))
     }
@@ -145,7 +173,7 @@ impl WgpuExecutor {
         light: &LatticeLight,
         receivers: &[IVec3],
         bits: u32,
-        ask: Ask,
+        asked: Asked,
     ) -> Result<(Results, Statistics), GpuError> {
         if light.columns > bits {
             return Err(GpuError::WordTooNarrow { columns: light.columns, bits });
@@ -157,63 +185,44 @@ impl WgpuExecutor {
                 return Err(GpuError::TooMany { field, count, most: MOST });
             }
         }
-        let wanted = Wanted {
-            resolve: resolve_kernel(bits, self.precision, ask.counts),
-            stride: stride(light.rows, bits),
-            masks: ask.masks,
-            counts: ask.counts,
-            slice: if self.gpu.software { SOFTWARE_SLICE } else { u32::MAX },
-        };
-        let in_memory = MASK_BYTES / (4 * u64::from(wanted.stride));
+        let Gpu { device, software, .. } = &self.gpu;
+        let layout = Layout::new(light, bits, self.precision, asked.counts, *software);
         let plan = Plan::new(SceneFacts {
             new_vertices: 0,
             triangles: scene.triangles.len() as u32,
             receivers: receivers.len() as u32,
             world_receivers: false,
-            visibility: ask.visibility,
-            block: self.block.min(in_memory as u32),
+            visibility: asked.visibility,
+            block: layout.block(self.block),
             index: IndexKind::Hierarchy,
         });
-        let grid = LightGrid::new(*light);
-        let params = Params::new(&grid, &CodeFrame::new(grid.frame.scale, [0.0; 2], 1.0), plan.levels());
-        let mut pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
-        let compiling = pipelines.time();
+        let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);
+        let Work { recorder, scratch } = match &mut *work {
+            Some(work) => work,
+            None => {
+                let timing = if self.timed { Timing::new(device)? } else { None };
+                let recorder = Recorder::new(device, self.loading, timing);
+                work.insert(Work { recorder, scratch: Scratch::default() })
+            }
+        };
+        let compiling = recorder.pipelines().time();
         let start = Instant::now();
-        let recorder = Recorder::new(&self.gpu.device, &self.gpu.queue, &mut pipelines, params);
-        let results = Run::new(&plan, wanted, recorder, scene, light, receivers)?.finish()?;
-        let time = start.elapsed().saturating_sub(pipelines.time() - compiling);
-        let counts = ask.counts.then(|| sum(&results.counts));
-        Ok((results, Statistics { time, counts }))
+        let buffers = Buffers::fit(scratch, device, &plan, &layout, scene.vertices.len() as u32)?;
+        let host = Host::new(&self.gpu, asked, layout.stride);
+        host.upload(&buffers, scene, receivers)?;
+        recorder.restart();
+        let bounds = bounds(scene.vertices.iter().chain(receivers));
+        let results =
+            Stages::new(&plan, layout, light, bounds, recorder, &buffers, host).run()?.finish(recorder, &buffers)?;
+        let time = start.elapsed().saturating_sub(recorder.pipelines().time() - compiling);
+        let counts = asked.counts.then(|| sum(&results.counts));
+        let stages = results.stages.clone();
+        Ok((results, Statistics { time, counts, stages }))
     }
 }
 
-/// Bits of the narrowest word that holds a row.
-const fn narrowest(light: &LatticeLight) -> u32 {
-    match light.columns {
-        0..=16 => 16,
-        17..=32 => 32,
-        _ => 64,
-    }
-}
-
-#[derive(Clone, Copy)]
-struct Ask {
-    masks: bool,
-    counts: bool,
-    visibility: bool,
-}
-
-const fn resolve_kernel(bits: u32, precision: Precision, counted: bool) -> Kernel {
-    match (bits, precision, counted) {
-        (..=32, Precision::Exact, false) => Kernel::Resolve32Exact,
-        (..=32, Precision::Exact, true) => Kernel::Resolve32ExactCounted,
-        (..=32, Precision::Fast, false) => Kernel::Resolve32Fast,
-        (..=32, Precision::Fast, true) => Kernel::Resolve32FastCounted,
-        (_, Precision::Exact, false) => Kernel::Resolve64Exact,
-        (_, Precision::Exact, true) => Kernel::Resolve64ExactCounted,
-        (_, Precision::Fast, false) => Kernel::Resolve64Fast,
-        (_, Precision::Fast, true) => Kernel::Resolve64FastCounted,
-    }
+fn bounds<'a>(points: impl Iterator<Item = &'a IVec3>) -> [IVec3; 2] {
+    points.fold([IVec3::MAX, IVec3::MIN], |[low, high], p| [low.min(*p), high.max(*p)])
 }
 
 /// The words of all masks: each receiver's start at a word of 32 bits.

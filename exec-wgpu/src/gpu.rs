@@ -85,6 +85,17 @@ fn shortages(limits: &Limits) -> impl Iterator<Item = (&'static str, u64, u64)> 
     needs.into_iter().filter(|(_, has, needs)| has < needs)
 }
 
+/// Whether the limits of an adapter, or of a device of it, are large enough.
+pub(crate) fn check_limits(adapter: &str, limits: &Limits) -> Result<(), GpuError> {
+    match shortages(limits).next() {
+        None => Ok(()),
+        Some((limit, has, needs)) => Err(GpuError::LimitTooSmall { adapter: adapter.to_owned(), limit, has, needs }),
+    }
+}
+
+/// Features that are taken where they are there: times of stages, and another way to load kernels.
+const OPTIONAL: Features = Features::TIMESTAMP_QUERY.union(Features::PASSTHROUGH_SHADERS);
+
 /// A device and its queue.
 #[derive(Clone, Debug)]
 pub struct Gpu {
@@ -99,7 +110,7 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Opens an adapter, with all of its limits and no feature that it might lack.
+    /// Opens an adapter, with all of its limits.
     ///
     /// # Errors
     /// No such adapter; one that lacks something; a driver that refuses.
@@ -132,12 +143,10 @@ impl Gpu {
 
     fn of(adapter: &Adapter) -> Result<Self, GpuError> {
         let AdapterReport { name, driver, hardware, .. } = report(adapter);
-        if let Some((limit, has, needs)) = shortages(&adapter.limits()).next() {
-            return Err(GpuError::LimitTooSmall { adapter: name, limit, has, needs });
-        }
+        check_limits(&name, &adapter.limits())?;
         let descriptor = DeviceDescriptor {
             label: Some("umbra4"),
-            required_features: Features::empty(),
+            required_features: adapter.features() & OPTIONAL,
             required_limits: adapter.limits(),
             experimental_features: ExperimentalFeatures::disabled(),
             memory_hints: MemoryHints::Performance,

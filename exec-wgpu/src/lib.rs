@@ -3,23 +3,34 @@
 //! The kernels are compiled from the same Rust source as the CPU's and lie in this crate as SPIR-V, so that stable Rust
 //! builds it. Masks, lit counts and visibility are the same bits as those of any other executor.
 
+mod checks;
 mod error;
 mod executor;
+mod frame;
 mod gpu;
+mod host;
+mod image;
 mod modules;
 mod pipelines;
 mod readback;
 mod recorder;
-mod run;
 mod scene;
+mod scratch;
+mod shadows;
 mod sort;
+mod stages;
 mod statistics;
+mod timing;
 
 pub use error::GpuError;
 pub use executor::WgpuExecutor;
+pub use frame::{Frame, GBuffer, Image, Indices, Instances, Light, Mesh, Surface, Vertices};
 pub use gpu::{AdapterReport, Choice, Gpu, adapters};
+pub use image::VisibilityFormat;
 pub use modules::{code, manifest};
+pub use pipelines::Loading;
 pub use scene::LatticeScene;
+pub use shadows::{Snapped, SoftShadows};
 pub use statistics::Statistics;
-pub use umbra4_core::Precision;
+pub use umbra4_core::{Precision, kernel::status::Status};
 pub use wgpu;

@@ -31,6 +31,15 @@ modules! {
     Resolve64ExactCounted: "resolve_64_exact_counted",
     Resolve64FastCounted: "resolve_64_fast_counted",
     Reduce: "reduce",
+    Pack: "pack",
+    SnapVertices: "snap_vertices",
+    SnapInstances: "snap_instances",
+    IndexTriangles: "index_triangles",
+    NumberTriangles: "number_triangles",
+    SnapPositions: "snap_positions",
+    SnapPositionSamples: "snap_position_samples",
+    SnapDepths: "snap_depths",
+    SnapDepthSamples: "snap_depth_samples",
 }
 
 /// The manifest of the modules, JSON: compiler, hash of the sources, and of each module its bindings and hash.

@@ -7,17 +7,38 @@ use std::{
     time::{Duration, Instant},
 };
 
-use umbra4_core::{
-    kernel::{Access, Kernel},
-    params::Params,
-};
+use umbra4_core::kernel::{Access, Kernel, WORKGROUP};
 use wgpu::{
-    BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, BufferBindingType, BufferSize,
-    ComputePipeline, ComputePipelineDescriptor, Device, PipelineCompilationOptions, PipelineLayoutDescriptor,
-    ShaderModuleDescriptor, ShaderSource, ShaderStages,
+    Backend, BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, BufferBindingType,
+    BufferSize, ComputePipeline, ComputePipelineDescriptor, Device, Features, PassthroughShaderEntryPoint,
+    PipelineCompilationOptions, PipelineLayoutDescriptor, ShaderModule, ShaderModuleDescriptor,
+    ShaderModuleDescriptorPassthrough, ShaderSource, ShaderStages, TextureSampleType, TextureViewDimension,
 };
 
 use crate::{GpuError, error::guarded, modules};
+
+/// How kernels reach the driver.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Loading {
+    /// Through naga, which checks them and adds bounds checks: every backend.
+    #[default]
+    Checked,
+    /// As they are: Vulkan only, on a device with [`wgpu::Features::PASSTHROUGH_SHADERS`].
+    Passthrough,
+}
+
+impl Loading {
+    /// Whether a device can load kernels so.
+    pub(crate) fn check(self, device: &Device) -> Result<(), GpuError> {
+        let backend = device.adapter_info().backend;
+        let possible = backend == Backend::Vulkan && device.features().contains(Features::PASSTHROUGH_SHADERS);
+        if self == Self::Checked || possible {
+            return Ok(());
+        }
+        let needs = "Vulkan and the feature PASSTHROUGH_SHADERS are needed";
+        Err(GpuError::Field { field: "loading".to_owned(), value: format!("{self:?} on {backend}"), needs })
+    }
+}
 
 /// A kernel, ready to run.
 #[derive(Debug)]
@@ -29,11 +50,16 @@ pub(crate) struct Pipeline {
 /// The pipelines made so far.
 #[derive(Debug, Default)]
 pub(crate) struct Pipelines {
+    loading: Loading,
     made: HashMap<Kernel, Arc<Pipeline>>,
     time: Duration,
 }
 
 impl Pipelines {
+    pub(crate) fn new(loading: Loading) -> Self {
+        Self { loading, ..Self::default() }
+    }
+
     /// Time spent on making pipelines so far.
     pub(crate) fn time(&self) -> Duration {
         self.time
@@ -45,40 +71,74 @@ impl Pipelines {
             return Ok(pipeline.clone());
         }
         let start = Instant::now();
-        let pipeline = Arc::new(compile(device, kernel)?);
+        let pipeline = Arc::new(compile(device, self.loading, kernel)?);
         self.time += start.elapsed();
         self.made.insert(kernel, pipeline.clone());
         Ok(pipeline)
     }
 }
 
-fn buffer_entry(binding: u32, ty: BindingType) -> BindGroupLayoutEntry {
+fn entry(binding: u32, ty: BindingType) -> BindGroupLayoutEntry {
     BindGroupLayoutEntry { binding, visibility: ShaderStages::COMPUTE, ty, count: None }
 }
 
-fn compile(device: &Device, kernel: Kernel) -> Result<Pipeline, GpuError> {
+fn binding_type(access: Access) -> BindingType {
+    let texture = |multisampled| BindingType::Texture {
+        sample_type: TextureSampleType::Float { filterable: false },
+        view_dimension: TextureViewDimension::D2,
+        multisampled,
+    };
+    let buffer = |read_only| BindingType::Buffer {
+        ty: BufferBindingType::Storage { read_only },
+        has_dynamic_offset: false,
+        min_binding_size: None,
+    };
+    match access {
+        Access::Read => buffer(true),
+        Access::Write => buffer(false),
+        Access::Texture => texture(false),
+        Access::Samples => texture(true),
+    }
+}
+
+fn load(device: &Device, loading: Loading, kernel: Kernel) -> ShaderModule {
+    let name = kernel.info().name;
+    let words: Vec<u32> =
+        modules::code(kernel).chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
+    let code = Cow::Owned(words);
+    match loading {
+        Loading::Checked => {
+            device.create_shader_module(ShaderModuleDescriptor { label: Some(name), source: ShaderSource::SpirV(code) })
+        }
+        // SAFETY: the module is this crate's own, validated by spirv-val, and bound by the layout of its table. Its only
+        // accesses to buffers are of elements whose index it has compared with the length.
+        Loading::Passthrough => unsafe {
+            device.create_shader_module_passthrough(ShaderModuleDescriptorPassthrough {
+                label: Some(name),
+                entry_points: Cow::Owned(vec![PassthroughShaderEntryPoint {
+                    name: Cow::Borrowed(name),
+                    workgroup_size: (WORKGROUP, 1, 1),
+                }]),
+                spirv: Some(code),
+                ..ShaderModuleDescriptorPassthrough::default()
+            })
+        },
+    }
+}
+
+fn compile(device: &Device, loading: Loading, kernel: Kernel) -> Result<Pipeline, GpuError> {
     let info = kernel.info();
     let params = BindingType::Buffer {
         ty: BufferBindingType::Storage { read_only: true },
         has_dynamic_offset: true,
-        min_binding_size: BufferSize::new(size_of::<Params>() as u64),
+        min_binding_size: BufferSize::new(info.params.size() as u64),
     };
-    let storage = info.bound.iter().enumerate().map(|(k, bound)| {
-        let read_only = bound.access == Access::Read;
-        let ty = BufferBindingType::Storage { read_only };
-        buffer_entry(k as u32 + 1, BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None })
-    });
-    let entries: Vec<_> = [buffer_entry(0, params)].into_iter().chain(storage).collect();
-    let words: Vec<u32> =
-        modules::code(kernel).chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
-
+    let bound = info.bound.iter().enumerate().map(|(k, bound)| entry(k as u32 + 1, binding_type(bound.access)));
+    let entries: Vec<_> = [entry(0, params)].into_iter().chain(bound).collect();
     guarded(device, info.name, || {
         let layout =
             device.create_bind_group_layout(&BindGroupLayoutDescriptor { label: Some(info.name), entries: &entries });
-        let module = device.create_shader_module(ShaderModuleDescriptor {
-            label: Some(info.name),
-            source: ShaderSource::SpirV(Cow::Owned(words)),
-        });
+        let module = load(device, loading, kernel);
         let pipeline_layout = device.create_pipeline_layout(&PipelineLayoutDescriptor {
             label: Some(info.name),
             bind_group_layouts: &[Some(&layout)],

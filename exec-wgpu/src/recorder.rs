@@ -1,109 +1,300 @@
-//! Dispatches, collected first: their parameters go into one buffer, then they are encoded into one pass.
+//! Steps of a run, collected first: parameters of all dispatches go into one buffer, then everything is encoded.
+//!
+//! What a run needed is kept: where the next one asks for the same kernels over the same resources, as frame after frame
+//! does, nothing is allocated and no bind group is made.
 
-use std::sync::Arc;
+use std::{num::NonZero, sync::Arc};
 
 use umbra4_core::{
     kernel::{Kernel, WORKGROUP},
-    params::{Params, PassParams},
+    params::Dispatched,
+    stage::Stage,
 };
 use wgpu::{
-    BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferBinding, BufferSize, BufferUsages,
-    CommandEncoder, ComputePassDescriptor, Device, Queue,
-    util::{BufferInitDescriptor, DeviceExt},
+    BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferBinding, BufferDescriptor,
+    BufferSize, BufferUsages, CommandEncoder, ComputePass, ComputePassDescriptor, Device, Extent3d, Origin3d,
+    TexelCopyBufferInfo, TexelCopyBufferLayout, TexelCopyTextureInfo, Texture, TextureAspect, TextureView,
+    util::StagingBelt,
 };
 
 use crate::{
     GpuError,
-    pipelines::{Pipeline, Pipelines},
+    pipelines::{Loading, Pipeline, Pipelines},
+    timing::Timing,
 };
 
 /// Distance of parameters in their buffer: what every device accepts as a dynamic offset.
-const PARAMS_STRIDE: usize = 256;
+const SLOT: usize = 256;
+/// Bytes of a chunk of the staging belt: the parameters of most frames.
+const CHUNK: u64 = 1 << 16;
 
-const _: () = assert!(size_of::<Params>() <= PARAMS_STRIDE);
+/// What a kernel is bound to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Resource {
+    /// A whole buffer.
+    Buffer(Buffer),
+    /// A part of it: first byte and length.
+    Part(Buffer, u64, NonZero<u64>),
+    Texture(TextureView),
+}
 
+impl From<&Buffer> for Resource {
+    fn from(buffer: &Buffer) -> Self {
+        Self::Buffer(buffer.clone())
+    }
+}
+
+impl Resource {
+    fn binding(&self) -> BindingResource<'_> {
+        match self {
+            Self::Buffer(buffer) => buffer.as_entire_binding(),
+            Self::Part(buffer, offset, size) => {
+                BindingResource::Buffer(BufferBinding { buffer, offset: *offset, size: Some(*size) })
+            }
+            Self::Texture(view) => BindingResource::TextureView(view),
+        }
+    }
+}
+
+/// A kernel over resources; its parameters may be others every time.
+#[derive(Debug)]
 struct Dispatch {
+    kernel: Kernel,
+    bound: Vec<Resource>,
+    stage: Stage,
     pipeline: Arc<Pipeline>,
-    buffers: Vec<Buffer>,
-    params: Params,
     groups: [u32; 2],
-    name: &'static str,
+    params: [u8; SLOT],
+    group: Option<BindGroup>,
 }
 
-/// Collects dispatches that share a light.
-pub(crate) struct Recorder<'a> {
-    device: &'a Device,
-    queue: &'a Queue,
-    pipelines: &'a mut Pipelines,
-    params: Params,
-    dispatches: Vec<Dispatch>,
+#[derive(Debug)]
+enum Step {
+    Dispatch(Box<Dispatch>),
+    Clear(Buffer),
+    Copy { from: Buffer, to: Buffer, offset: u64, bytes: u64 },
+    Image { from: Buffer, pitch: u32, to: Texture, layer: u32 },
 }
 
-impl<'a> Recorder<'a> {
-    pub(crate) fn new(device: &'a Device, queue: &'a Queue, pipelines: &'a mut Pipelines, params: Params) -> Self {
-        Self { device, queue, pipelines, params, dispatches: Vec::new() }
+/// Collects the steps of a run.
+#[derive(Debug)]
+pub(crate) struct Recorder {
+    device: Device,
+    pipelines: Pipelines,
+    stage: Stage,
+    steps: Vec<Step>,
+    used: usize,
+    slots: Option<Buffer>,
+    belt: StagingBelt,
+    timing: Option<Timing>,
+}
+
+impl Recorder {
+    pub(crate) fn new(device: &Device, loading: Loading, timing: Option<Timing>) -> Self {
+        Self {
+            device: device.clone(),
+            pipelines: Pipelines::new(loading),
+            stage: Stage::SnapVertices,
+            steps: Vec::new(),
+            used: 0,
+            slots: None,
+            belt: StagingBelt::new(device.clone(), CHUNK),
+            timing,
+        }
     }
 
-    pub(crate) fn device(&self) -> &'a Device {
-        self.device
+    pub(crate) fn pipelines(&self) -> &Pipelines {
+        &self.pipelines
     }
 
-    pub(crate) fn queue(&self) -> &'a Queue {
-        self.queue
+    pub(crate) fn timing(&self) -> Option<&Timing> {
+        self.timing.as_ref()
     }
 
-    /// A kernel for the ids `0..pass.count`, over buffers in the order of the table of kernels.
-    pub(crate) fn add(&mut self, kernel: Kernel, mut pass: PassParams, buffers: &[&Buffer]) -> Result<(), GpuError> {
-        if pass.count == 0 {
+    pub(crate) fn set_timing(&mut self, timing: Option<Timing>) {
+        self.timing = timing;
+    }
+
+    /// The stage that what follows belongs to.
+    pub(crate) fn set_stage(&mut self, stage: Stage) {
+        self.stage = stage;
+    }
+
+    /// Forgets the steps of a run that was not encoded; what it needed is kept.
+    pub(crate) fn restart(&mut self) {
+        self.used = 0;
+    }
+
+    /// A kernel for the ids `0..params.count()`, over resources in the order of the table of kernels.
+    pub(crate) fn add<P: Dispatched + bytemuck::Pod>(
+        &mut self,
+        kernel: Kernel,
+        params: P,
+        bound: &[Resource],
+    ) -> Result<(), GpuError> {
+        const { assert!(size_of::<P>() <= SLOT) }
+        let count = params.count();
+        if count == 0 {
             return Ok(());
         }
         let most = self.device.limits().max_compute_workgroups_per_dimension;
-        let groups = pass.count.div_ceil(WORKGROUP);
-        let columns = groups.min(most);
-        pass.row = columns * WORKGROUP;
-        self.dispatches.push(Dispatch {
-            pipeline: self.pipelines.get(self.device, kernel)?,
-            buffers: buffers.iter().map(|&buffer| buffer.clone()).collect(),
-            params: self.params.with_pass(&pass),
-            groups: [columns, groups.div_ceil(columns)],
-            name: kernel.info().name,
-        });
+        let columns = count.div_ceil(WORKGROUP).min(most);
+        let rows = count.div_ceil(columns * WORKGROUP);
+        let mut bytes = [0; SLOT];
+        bytes[..size_of::<P>()].copy_from_slice(bytemuck::bytes_of(&params.with_row(columns * WORKGROUP)));
+        let (stage, groups) = (self.stage, [columns, rows]);
+        if let Some(Step::Dispatch(known)) = self.steps.get_mut(self.used)
+            && known.kernel == kernel
+            && known.bound == bound
+        {
+            (known.stage, known.groups, known.params) = (stage, groups, bytes);
+            self.used += 1;
+            return Ok(());
+        }
+        let pipeline = self.pipelines.get(&self.device, kernel)?;
+        let bound = bound.to_vec();
+        let dispatch = Dispatch { kernel, bound, stage, pipeline, groups, params: bytes, group: None };
+        self.put(Step::Dispatch(Box::new(dispatch)));
         Ok(())
     }
 
-    /// Encodes all dispatches, and forgets them.
-    pub(crate) fn encode(&mut self, encoder: &mut CommandEncoder) {
-        if self.dispatches.is_empty() {
-            return;
-        }
-        let mut bytes = vec![0_u8; self.dispatches.len() * PARAMS_STRIDE];
-        for (slot, dispatch) in bytes.chunks_exact_mut(PARAMS_STRIDE).zip(&self.dispatches) {
-            slot[..size_of::<Params>()].copy_from_slice(bytemuck::bytes_of(&dispatch.params));
-        }
-        let slots = self.device.create_buffer_init(&BufferInitDescriptor {
-            label: Some("umbra4 parameters"),
-            contents: &bytes,
-            usage: BufferUsages::STORAGE,
-        });
-        let params = BufferBinding { buffer: &slots, offset: 0, size: BufferSize::new(size_of::<Params>() as u64) };
-        let mut pass =
-            encoder.begin_compute_pass(&ComputePassDescriptor { label: Some("umbra4"), timestamp_writes: None });
-        for (place, dispatch) in self.dispatches.drain(..).enumerate() {
-            let buffers = dispatch.buffers.iter().map(Buffer::as_entire_binding);
-            let entries: Vec<BindGroupEntry<'_>> = [BindingResource::Buffer(params.clone())]
-                .into_iter()
-                .chain(buffers)
-                .enumerate()
-                .map(|(binding, resource)| BindGroupEntry { binding: binding as u32, resource })
-                .collect();
-            let group = self.device.create_bind_group(&BindGroupDescriptor {
-                label: Some(dispatch.name),
-                layout: &dispatch.pipeline.layout,
-                entries: &entries,
-            });
-            pass.set_pipeline(&dispatch.pipeline.pipeline);
-            pass.set_bind_group(0, &group, &[(place * PARAMS_STRIDE) as u32]);
-            pass.dispatch_workgroups(dispatch.groups[0], dispatch.groups[1], 1);
-        }
+    /// Zeros in a whole buffer.
+    pub(crate) fn clear(&mut self, buffer: &Buffer) {
+        self.put(Step::Clear(buffer.clone()));
     }
+
+    /// The first `bytes` bytes of `from` go to `to`, from byte `offset` on.
+    pub(crate) fn copy(&mut self, from: &Buffer, to: &Buffer, offset: u64, bytes: u64) {
+        self.put(Step::Copy { from: from.clone(), to: to.clone(), offset, bytes });
+    }
+
+    /// Rows of `pitch` bytes go to a layer of a texture.
+    pub(crate) fn copy_image(&mut self, from: &Buffer, pitch: u32, to: &Texture, layer: u32) {
+        self.put(Step::Image { from: from.clone(), pitch, to: to.clone(), layer });
+    }
+
+    fn put(&mut self, step: Step) {
+        match self.steps.get_mut(self.used) {
+            Some(place) => *place = step,
+            None => self.steps.push(step),
+        }
+        self.used += 1;
+    }
+
+    /// Encodes all steps. They must be submitted in the order in which they were encoded.
+    pub(crate) fn encode(&mut self, encoder: &mut CommandEncoder) -> Result<(), GpuError> {
+        // What the last run had beyond this one is let go, with the resources that it holds.
+        self.steps.truncate(self.used);
+        self.used = 0;
+        let dispatches = self.steps.iter().filter(|step| matches!(step, Step::Dispatch(_))).count();
+        self.write_params(encoder, dispatches * SLOT)?;
+        if let Some(timing) = &mut self.timing {
+            timing.begin();
+        }
+        let mut steps = self.steps.iter_mut().peekable();
+        let mut place = 0;
+        while let Some(step) = steps.next() {
+            match step {
+                Step::Clear(buffer) => encoder.clear_buffer(buffer, 0, None),
+                Step::Copy { from, to, offset, bytes } => {
+                    encoder.copy_buffer_to_buffer(from, 0, to, *offset, *bytes);
+                }
+                Step::Image { from, pitch, to, layer } => copy_image(encoder, from, *pitch, to, *layer),
+                Step::Dispatch(first) => {
+                    let Some(slots) = &self.slots else { continue };
+                    let stage = first.stage;
+                    let timestamp_writes = self.timing.as_mut().and_then(|timing| timing.writes(stage));
+                    let timed = timestamp_writes.is_some();
+                    let label = if timed { stage.info().name } else { "umbra4" };
+                    let mut pass =
+                        encoder.begin_compute_pass(&ComputePassDescriptor { label: Some(label), timestamp_writes });
+                    dispatch(&mut pass, &self.device, slots, first, &mut place);
+                    while let Some(Step::Dispatch(next)) = steps.next_if(|step| match step {
+                        Step::Dispatch(next) => !timed || next.stage == stage,
+                        _ => false,
+                    }) {
+                        dispatch(&mut pass, &self.device, slots, next, &mut place);
+                    }
+                }
+            }
+        }
+        if let Some(timing) = &self.timing {
+            timing.end(encoder);
+        }
+        Ok(())
+    }
+
+    /// Brings the parameters of all dispatches to the device, in the order of the encoder.
+    fn write_params(&mut self, encoder: &mut CommandEncoder, bytes: usize) -> Result<(), GpuError> {
+        let Some(size) = BufferSize::new(bytes as u64) else { return Ok(()) };
+        let large_enough = self.slots.as_ref().is_some_and(|slots| slots.size() >= size.get());
+        if !large_enough {
+            self.slots = Some(self.device.create_buffer(&BufferDescriptor {
+                label: Some("umbra4 parameters"),
+                size: size.get().next_power_of_two(),
+                usage: BufferUsages::STORAGE | BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }));
+            for step in &mut self.steps {
+                if let Step::Dispatch(dispatch) = step {
+                    dispatch.group = None;
+                }
+            }
+        }
+        let Some(slots) = &self.slots else { return Ok(()) };
+        let part = self.belt.allocate(size, const { NonZero::new(wgpu::COPY_BUFFER_ALIGNMENT).unwrap() });
+        encoder.copy_buffer_to_buffer(part.buffer(), part.offset(), slots, 0, size.get());
+        let lost = |reason: String| GpuError::Lost { doing: "maps a staging buffer", reason };
+        let mut view = part.get_mapped_range_mut().map_err(|error| lost(error.to_string()))?;
+        let mut place = 0;
+        for step in &self.steps {
+            if let Step::Dispatch(dispatch) = step {
+                view.slice(place..place + SLOT).copy_from_slice(&dispatch.params);
+                place += SLOT;
+            }
+        }
+        drop(view);
+        self.belt.finish_and_recall_on_submit(encoder);
+        Ok(())
+    }
+}
+
+fn dispatch(pass: &mut ComputePass<'_>, device: &Device, slots: &Buffer, own: &mut Dispatch, place: &mut usize) {
+    let Dispatch { kernel, bound, pipeline, groups, group, .. } = own;
+    let group = group.get_or_insert_with(|| {
+        let size = BufferSize::new(kernel.info().params.size() as u64);
+        let params = BindingResource::Buffer(BufferBinding { buffer: slots, offset: 0, size });
+        let entries: Vec<BindGroupEntry<'_>> = [params]
+            .into_iter()
+            .chain(bound.iter().map(Resource::binding))
+            .enumerate()
+            .map(|(binding, resource)| BindGroupEntry { binding: binding as u32, resource })
+            .collect();
+        device.create_bind_group(&BindGroupDescriptor {
+            label: Some(kernel.info().name),
+            layout: &pipeline.layout,
+            entries: &entries,
+        })
+    });
+    pass.set_pipeline(&pipeline.pipeline);
+    pass.set_bind_group(0, &*group, &[(*place * SLOT) as u32]);
+    pass.dispatch_workgroups(groups[0], groups[1], 1);
+    *place += 1;
+}
+
+fn copy_image(encoder: &mut CommandEncoder, from: &Buffer, pitch: u32, to: &Texture, layer: u32) {
+    let (width, height) = (to.width(), to.height());
+    encoder.copy_buffer_to_texture(
+        TexelCopyBufferInfo {
+            buffer: from,
+            layout: TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(pitch), rows_per_image: None },
+        },
+        TexelCopyTextureInfo {
+            texture: to,
+            mip_level: 0,
+            origin: Origin3d { x: 0, y: 0, z: layer },
+            aspect: TextureAspect::All,
+        },
+        Extent3d { width, height, depth_or_array_layers: 1 },
+    );
 }

@@ -9,7 +9,7 @@ use umbra4_core::{
 };
 use wgpu::Buffer;
 
-use crate::{GpuError, recorder::Recorder};
+use crate::GpuError;
 
 const PASSES: u32 = CODE_BITS.div_ceil(DIGIT_BITS);
 
@@ -33,7 +33,7 @@ fn levels(entries: u32) -> Vec<u32> {
 /// Sorts `count` entries of `order`, with the help of `spare` and `counters`. An even number of digits: the result is in
 /// `order` again.
 pub(crate) fn sort(
-    recorder: &mut Recorder<'_>,
+    record: &mut impl FnMut(Kernel, PassParams, &[&Buffer]) -> Result<(), GpuError>,
     count: u32,
     order: &Buffer,
     spare: &Buffer,
@@ -46,7 +46,7 @@ pub(crate) fn sort(
     for digit in 0..PASSES {
         let shift = digit * DIGIT_BITS;
         let by_run = PassParams { count: runs(count), elements: count, shift, ..PassParams::default() };
-        recorder.add(Kernel::CountDigits, by_run, &[from, counters])?;
+        record(Kernel::CountDigits, by_run, &[from, counters])?;
         let blocks = |level: usize| PassParams {
             count: levels[level].div_ceil(BLOCK),
             elements: levels[level],
@@ -54,12 +54,12 @@ pub(crate) fn sort(
             ..PassParams::default()
         };
         for level in 0..levels.len() - 1 {
-            recorder.add(Kernel::SumBlocks, blocks(level), &[counters])?;
+            record(Kernel::SumBlocks, blocks(level), &[counters])?;
         }
         for level in (0..levels.len()).rev() {
-            recorder.add(Kernel::ScanBlocks, blocks(level), &[counters])?;
+            record(Kernel::ScanBlocks, blocks(level), &[counters])?;
         }
-        recorder.add(Kernel::ScatterDigits, by_run, &[counters, from, to])?;
+        record(Kernel::ScatterDigits, by_run, &[counters, from, to])?;
         (from, to) = (to, from);
     }
     Ok(())

@@ -3,11 +3,20 @@
 #![no_std]
 #![allow(clippy::too_many_arguments)]
 
-use spirv_std::{glam::UVec3, spirv};
+use spirv_std::{
+    Image,
+    arch::atomic_i_add,
+    glam::{UVec2, UVec3},
+    image::{ImageWithMethods, sample_with},
+    memory::{Scope, Semantics},
+    spirv,
+};
 use umbra4_core::{
     Exact, Fast, PairWord,
     edge_plane::Occluder,
-    kernel::{self, resolve::ReceiverCounts},
+    gbuffer::ViewParams,
+    kernel::{self, resolve::ReceiverCounts, status::Status},
+    mesh::MeshParams,
     order::Entry,
     params::Params,
     proj4::{KeyTile, Keys},
@@ -165,8 +174,131 @@ pub fn reduce(
     #[spirv(global_invocation_id)] thread: UVec3,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &Params,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] masks: &[u32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] table: &[f32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] visibility: &mut [f32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] lit: &mut [u32],
 ) {
-    kernel::reduce::reduce(kernel::id(thread.to_array(), params), params, masks, table, visibility);
+    kernel::reduce::reduce(kernel::id(thread.to_array(), params), params, masks, lit);
 }
+
+/// See `umbra4_core::kernel::pack`.
+#[spirv(compute(threads(64)))]
+pub fn pack(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &Params,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] lit: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] table: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] image: &mut [u32],
+) {
+    kernel::pack::pack(kernel::id(thread.to_array(), params), params, lit, table, image);
+}
+
+/// One more, where something is refused.
+fn count(refused: bool, counter: &mut u32) {
+    if refused {
+        // SAFETY: the counter lies in a storage buffer, and is touched by atomics only.
+        unsafe { atomic_i_add::<u32, { Scope::QueueFamily as u32 }, { Semantics::NONE.bits() }>(counter, 1) };
+    }
+}
+
+/// See `umbra4_core::kernel::snap_vertices`.
+#[spirv(compute(threads(64)))]
+pub fn snap_vertices(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &MeshParams,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] vertices: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] snapped: &mut [[i32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] status: &mut Status,
+) {
+    let id = kernel::id(thread.to_array(), params);
+    count(kernel::snap_vertices::snap_vertices(id, params, vertices, snapped), &mut status.vertices);
+}
+
+/// See `umbra4_core::kernel::snap_vertices`.
+#[spirv(compute(threads(64)))]
+pub fn snap_instances(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &MeshParams,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] vertices: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] instances: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] snapped: &mut [[i32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] status: &mut Status,
+) {
+    let id = kernel::id(thread.to_array(), params);
+    count(kernel::snap_vertices::snap_instances(id, params, vertices, instances, snapped), &mut status.vertices);
+}
+
+/// See `umbra4_core::kernel::triangles`.
+#[spirv(compute(threads(64)))]
+pub fn index_triangles(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &MeshParams,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] indices: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] triangles: &mut [[u32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] status: &mut Status,
+) {
+    let id = kernel::id(thread.to_array(), params);
+    count(kernel::triangles::index_triangles(id, params, indices, triangles), &mut status.triangles);
+}
+
+/// See `umbra4_core::kernel::triangles`.
+#[spirv(compute(threads(64)))]
+pub fn number_triangles(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &MeshParams,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] triangles: &mut [[u32; 3]],
+) {
+    kernel::triangles::number_triangles(kernel::id(thread.to_array(), params), params, triangles);
+}
+
+type Texture = Image!(2D, type=f32, sampled);
+type Samples = Image!(2D, type=f32, sampled, multisampled);
+
+fn texel_of(image: &Texture, texel: [u32; 2], _: &ViewParams) -> [f32; 4] {
+    image.fetch(UVec2::from_array(texel)).to_array()
+}
+
+fn sample_of(image: &Samples, texel: [u32; 2], params: &ViewParams) -> [f32; 4] {
+    image.fetch_with(UVec2::from_array(texel), sample_with::sample_index(params.sample)).to_array()
+}
+
+macro_rules! receivers {
+    ($positions:ident, $depths:ident: $image:ty, $fetch:ident) => {
+        /// See `umbra4_core::kernel::snap_receivers`.
+        #[spirv(compute(threads(64)))]
+        pub fn $positions(
+            #[spirv(global_invocation_id)] thread: UVec3,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &ViewParams,
+            #[spirv(descriptor_set = 0, binding = 1)] positions: &$image,
+            #[spirv(descriptor_set = 0, binding = 2)] normals: &$image,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] receivers: &mut [[i32; 3]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] status: &mut Status,
+        ) {
+            let id = kernel::id(thread.to_array(), params);
+            if let Some(texel) = kernel::snap_receivers::texel(id, params) {
+                let (position, normal) = ($fetch(positions, texel, params), $fetch(normals, texel, params));
+                let refused = kernel::snap_receivers::snap_position(id, params, position, normal, receivers);
+                count(refused, &mut status.receivers);
+            }
+        }
+
+        /// See `umbra4_core::kernel::snap_receivers`.
+        #[spirv(compute(threads(64)))]
+        pub fn $depths(
+            #[spirv(global_invocation_id)] thread: UVec3,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &ViewParams,
+            #[spirv(descriptor_set = 0, binding = 1)] depths: &$image,
+            #[spirv(descriptor_set = 0, binding = 2)] normals: &$image,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] receivers: &mut [[i32; 3]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] status: &mut Status,
+        ) {
+            let id = kernel::id(thread.to_array(), params);
+            if let Some(texel) = kernel::snap_receivers::texel(id, params) {
+                let (depth, normal) = ($fetch(depths, texel, params)[0], $fetch(normals, texel, params));
+                let refused = kernel::snap_receivers::snap_depth(id, params, texel, depth, normal, receivers);
+                count(refused, &mut status.receivers);
+            }
+        }
+    };
+}
+
+receivers!(snap_positions, snap_depths: Texture, texel_of);
+receivers!(snap_position_samples, snap_depth_samples: Samples, sample_of);

@@ -1,7 +1,7 @@
 //! The executor on a GPU, as a [`Subject`].
 
-use umbra4_core::MaskWord;
-use umbra4_wgpu::{Choice, Gpu, GpuError, LatticeScene, WgpuExecutor};
+use umbra4_cpu::CpuWord;
+use umbra4_wgpu::{Choice, Gpu, GpuError, LatticeScene, Loading, WgpuExecutor};
 
 use crate::{scene::Inputs, suite::Subject};
 
@@ -9,13 +9,30 @@ use crate::{scene::Inputs, suite::Subject};
 #[derive(Debug)]
 pub struct Wgpu(WgpuExecutor);
 
+/// The adapter that tests run on, or why there is none; `None` where none has to be there. `UMBRA4_GPU` says which must be:
+/// `hardware`, `software`, or a part of its name; without it, the best there is.
+///
+/// # Errors
+/// There is no such adapter.
+pub fn required() -> Result<Option<Gpu>, GpuError> {
+    let choice = match std::env::var("UMBRA4_GPU").as_deref() {
+        Ok("hardware") => Choice::Hardware,
+        Ok("software") => Choice::Software,
+        Ok(name) => Choice::Named(name.to_owned()),
+        Err(_) => {
+            return Ok(Gpu::open(&Choice::Hardware).or_else(|_| Gpu::open(&Choice::Software)).ok());
+        }
+    };
+    Gpu::open(&choice).map(Some)
+}
+
 impl Wgpu {
-    /// On the adapter chosen, in blocks of at most `block` receivers.
+    /// In blocks of at most `block` receivers, with kernels loaded in a given way.
     ///
     /// # Errors
-    /// There is no such adapter.
-    pub fn open(choice: &Choice, block: u32) -> Result<Self, GpuError> {
-        Ok(Self(WgpuExecutor::new(Gpu::open(choice)?).with_block(block)))
+    /// The device cannot load them so.
+    pub fn new(gpu: Gpu, block: u32, loading: Loading) -> Result<Self, GpuError> {
+        Ok(Self(WgpuExecutor::new(gpu).with_block(block).with_loading(loading)?))
     }
 }
 
@@ -28,7 +45,7 @@ impl Subject for Wgpu {
         format!("wgpu, {}", self.0.gpu().name)
     }
 
-    fn masks<W: MaskWord>(&self, inputs: &Inputs) -> Result<Vec<W>, String> {
+    fn masks<W: CpuWord>(&self, inputs: &Inputs) -> Result<Vec<W>, String> {
         let done = self.0.masks::<W>(&scene(inputs), &inputs.light, inputs.receivers.points());
         Ok(done.map_err(|error| error.to_string())?.0)
     }

@@ -9,11 +9,12 @@
 //! | [`compare`] | are two results the same bits? |
 //! | [`scene`], [`scenes`], [`meshes`] | scenes in lattice integers, deterministic from a seed |
 //! | [`hard_cases`] | the named cases, each with what must hold beyond equality with the oracle |
-//! | [`gpu`] | the executor on a GPU, for the suite |
+//! | [`gpu`], [`device`] | the executor on a GPU, for the suite; an engine's buffers and textures |
 //! | [`suite`], [`ledger`] | one suite, instantiated per word width and executor, and its totals |
 
 pub mod bigint;
 pub mod compare;
+pub mod device;
 pub mod gpu;
 pub mod hard_cases;
 pub mod ledger;

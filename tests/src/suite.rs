@@ -4,14 +4,14 @@
 
 use bytemuck::Zeroable;
 use umbra4_core::{
-    Exact, IndexKind, Lift, MaskWord, Plan, SceneFacts,
+    Exact, IndexKind, Lift, Plan, SceneFacts,
     edge_plane::Occluder,
     order::Entry,
     proj4::{KeyTile, NOTHING},
     serial::{Buffers, Serial},
     snap::SnapParams,
 };
-use umbra4_cpu::{Binning, CpuExecutor, GridOptions, Index, Isa, Rows};
+use umbra4_cpu::{Binning, CpuExecutor, CpuWord, GridOptions, Index, Isa, Rows};
 
 use crate::{
     compare::{Amount, Compared, Mismatch, bits_of, compare_masks, compare_visibility, lit_counts},
@@ -30,7 +30,7 @@ pub trait Subject {
     ///
     /// # Errors
     /// Why it refuses, in words.
-    fn masks<W: MaskWord>(&self, inputs: &Inputs) -> Result<Vec<W>, String>;
+    fn masks<W: CpuWord>(&self, inputs: &Inputs) -> Result<Vec<W>, String>;
     /// The fraction of lit samples of every receiver.
     ///
     /// # Errors
@@ -89,7 +89,7 @@ impl Subject for Cpu {
         self.name.clone()
     }
 
-    fn masks<W: MaskWord>(&self, inputs: &Inputs) -> Result<Vec<W>, String> {
+    fn masks<W: CpuWord>(&self, inputs: &Inputs) -> Result<Vec<W>, String> {
         let (masks, _) = self
             .executor
             .masks::<W>(&inputs.occluders, &inputs.light, &inputs.receivers)
@@ -114,7 +114,7 @@ pub struct SerialSubject {
 }
 
 impl SerialSubject {
-    fn run<W: MaskWord>(self, inputs: &Inputs, visibility: bool) -> Result<(Vec<W>, Vec<f32>), String> {
+    fn run<W: CpuWord>(self, inputs: &Inputs, visibility: bool) -> Result<(Vec<W>, Vec<f32>), String> {
         let (triangles, points) = (inputs.occluders.triangles(), inputs.receivers.points());
         let plan = Plan::new(SceneFacts {
             new_vertices: 0,
@@ -156,7 +156,7 @@ impl Subject for SerialSubject {
         format!("serial, blocks of {}", self.block)
     }
 
-    fn masks<W: MaskWord>(&self, inputs: &Inputs) -> Result<Vec<W>, String> {
+    fn masks<W: CpuWord>(&self, inputs: &Inputs) -> Result<Vec<W>, String> {
         Ok(self.run::<W>(inputs, false)?.0)
     }
 
@@ -178,7 +178,7 @@ pub enum Visibility {
 ///
 /// # Errors
 /// The first difference, in words.
-pub fn check<W: MaskWord>(subject: &impl Subject, inputs: &Inputs, visibility: Visibility) -> Result<Compared, String> {
+pub fn check<W: CpuWord>(subject: &impl Subject, inputs: &Inputs, visibility: Visibility) -> Result<Compared, String> {
     let amount = if inputs.receivers.is_empty() { Amount::None } else { Amount::Some };
     let (rows, columns) = (inputs.light.rows, inputs.light.columns);
     let expected = inputs.oracle();
@@ -192,7 +192,7 @@ pub fn check<W: MaskWord>(subject: &impl Subject, inputs: &Inputs, visibility: V
 }
 
 /// The smallest part of a failing scene that still fails: one receiver, if one suffices, and few triangles.
-pub fn minimise<W: MaskWord>(subject: &impl Subject, inputs: &Inputs) -> Scene {
+pub fn minimise<W: CpuWord>(subject: &impl Subject, inputs: &Inputs) -> Scene {
     let exponent = inputs.lattice.exponent();
     let fails = |scene: &Scene| check::<W>(subject, &scene.inputs(exponent), Visibility::Compared).is_err();
     let mut scene = inputs.scene();
@@ -222,7 +222,7 @@ pub fn minimise<W: MaskWord>(subject: &impl Subject, inputs: &Inputs) -> Scene {
 }
 
 /// Names the failure and the smallest scene that shows it.
-fn report<W: MaskWord>(subject: &impl Subject, what: &str, inputs: &Inputs, error: &str) -> ! {
+fn report<W: CpuWord>(subject: &impl Subject, what: &str, inputs: &Inputs, error: &str) -> ! {
     let scene = minimise::<W>(subject, inputs);
     let smallest = check::<W>(subject, &scene.inputs(inputs.lattice.exponent()), Visibility::Compared);
     panic!(
@@ -242,7 +242,7 @@ fn report<W: MaskWord>(subject: &impl Subject, what: &str, inputs: &Inputs, erro
 ///
 /// # Panics
 /// At the first difference.
-pub fn property<W: MaskWord>(subject: &impl Subject, word: &str, name: &str, bits: u64, ledger: &Ledger) {
+pub fn property<W: CpuWord>(subject: &impl Subject, word: &str, name: &str, bits: u64, ledger: &Ledger) {
     let (_, generator) = GENERATORS.iter().find(|(n, _)| *n == name).expect("a generator has this name");
     let mut rng = Rng::named(0, &format!("{} {word} {name}", subject.name()));
     let mut total = Compared::default();
@@ -271,7 +271,7 @@ pub fn property<W: MaskWord>(subject: &impl Subject, word: &str, name: &str, bit
 ///
 /// # Panics
 /// At the first difference from the oracle, or from what a case states.
-pub fn hard_cases<W: MaskWord>(subject: &impl Subject, word: &str, ledger: &Ledger) {
+pub fn hard_cases<W: CpuWord>(subject: &impl Subject, word: &str, ledger: &Ledger) {
     let mut total = Compared::default();
     for &(name, build) in HARD_CASES {
         let mut run = 0;

@@ -154,7 +154,7 @@ impl Subject for Wrong {
         "wrong in one bit".into()
     }
 
-    fn masks<W: umbra4_core::MaskWord>(&self, inputs: &Inputs) -> Result<Vec<W>, String> {
+    fn masks<W: umbra4_cpu::CpuWord>(&self, inputs: &Inputs) -> Result<Vec<W>, String> {
         let spans = |word: u64| {
             (0..inputs.light.columns).filter(|j| word >> j & 1 == 1).fold(W::EMPTY, |w, j| w.or(W::span(j, j + 1)))
         };

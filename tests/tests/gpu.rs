@@ -4,9 +4,15 @@
 use std::sync::{Arc, OnceLock};
 
 use libtest_mimic::{Arguments, Failed, Trial};
-use umbra4_core::{MaskWord, PairWord};
-use umbra4_tests::{gpu::Wgpu, ledger::Ledger, scenes::GENERATORS, suite};
-use umbra4_wgpu::{Choice, GpuError};
+use umbra4_core::PairWord;
+use umbra4_cpu::CpuWord;
+use umbra4_tests::{
+    gpu::{Wgpu, required},
+    ledger::Ledger,
+    scenes::GENERATORS,
+    suite,
+};
+use umbra4_wgpu::{GpuError, Loading};
 
 /// Bits compared at least: a device is slower to ask than a processor, and the software one slower still.
 const BITS: u64 = 12_000_000;
@@ -16,21 +22,11 @@ const WORDS: [&str; 4] = ["u16", "u32", "u64", "pair"];
 
 type Device = Arc<OnceLock<Wgpu>>;
 
-/// The adapter to test, or why there is none; `None` where none has to be there.
 fn open() -> Result<Option<Wgpu>, GpuError> {
-    let choice = match std::env::var("UMBRA4_GPU").as_deref() {
-        Ok("hardware") => Choice::Hardware,
-        Ok("software") => Choice::Software,
-        Ok(name) => Choice::Named(name.to_owned()),
-        Err(_) => {
-            let any = Wgpu::open(&Choice::Hardware, BLOCK).or_else(|_| Wgpu::open(&Choice::Software, BLOCK));
-            return Ok(any.ok());
-        }
-    };
-    Wgpu::open(&choice, BLOCK).map(Some)
+    required()?.map(|gpu| Wgpu::new(gpu, BLOCK, Loading::Checked)).transpose()
 }
 
-fn trial<W: MaskWord>(word: &'static str, device: &Device, ledger: &Arc<Ledger>, bits: u64) -> Vec<Trial> {
+fn trial<W: CpuWord>(word: &'static str, device: &Device, ledger: &Arc<Ledger>, bits: u64) -> Vec<Trial> {
     let each = GENERATORS.map(|(name, _)| {
         let (device, ledger) = (device.clone(), ledger.clone());
         Trial::test(format!("{word}::{name}"), move || {

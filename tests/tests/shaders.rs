@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use naga::{AddressSpace, StorageAccess, back::wgsl, front::spv, valid};
+use naga::{AddressSpace, ImageClass, StorageAccess, back::wgsl, front::spv, valid};
 use sha2::{Digest, Sha256};
 use umbra4_core::kernel::{Access, KernelInfo, TABLE, WORKGROUP};
 use umbra4_wgpu::{code, manifest};
@@ -77,20 +77,33 @@ fn the_modules_are_bound_as_the_table_says() {
         assert_eq!(module.entry_points.len(), 1);
         assert_eq!(entry.name, info.name);
         assert_eq!(entry.workgroup_size, [WORKGROUP, 1, 1], "{}", info.name);
-        let mut bindings: Vec<(u32, bool)> = module
+        let mut bindings: Vec<(u32, Access)> = module
             .global_variables
             .iter()
             .filter(|(handle, _)| !found.get_entry_point(0)[*handle].is_empty())
             .filter_map(|(_, variable)| {
-                let AddressSpace::Storage { access } = variable.space else { return None };
-                let binding = variable.binding.expect("a storage buffer is bound");
+                let access = match variable.space {
+                    AddressSpace::Storage { access } if access.contains(StorageAccess::STORE) => Access::Write,
+                    AddressSpace::Storage { .. } => Access::Read,
+                    AddressSpace::Handle => match module.types[variable.ty].inner {
+                        naga::TypeInner::Image { class: ImageClass::Sampled { multi: false, .. }, .. } => {
+                            Access::Texture
+                        }
+                        naga::TypeInner::Image { class: ImageClass::Sampled { multi: true, .. }, .. } => {
+                            Access::Samples
+                        }
+                        _ => panic!("{}: neither a buffer nor a texture", info.name),
+                    },
+                    _ => return None,
+                };
+                let binding = variable.binding.expect("it is bound");
                 assert_eq!(binding.group, 0);
-                Some((binding.binding, access.contains(StorageAccess::STORE)))
+                Some((binding.binding, access))
             })
             .collect();
-        bindings.sort_unstable();
-        let expected = info.bound.iter().map(|bound| bound.access == Access::Write);
-        let expected: Vec<(u32, bool)> = (0..).zip([false].into_iter().chain(expected)).collect();
+        bindings.sort_unstable_by_key(|(binding, _)| *binding);
+        let expected = info.bound.iter().map(|bound| bound.access);
+        let expected: Vec<(u32, Access)> = (0..).zip([Access::Read].into_iter().chain(expected)).collect();
         assert_eq!(bindings, expected, "{}", info.name);
     }
 }

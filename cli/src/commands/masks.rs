@@ -6,8 +6,8 @@ use std::{
 };
 
 use serde_json::json;
-use umbra4_core::{Lift, MaskWord, glam::IVec3};
-use umbra4_cpu::{Occluders, Receivers};
+use umbra4_core::{Lift, glam::IVec3};
+use umbra4_cpu::{CpuWord, Occluders, Receivers};
 
 use crate::{
     args::MasksArgs,
@@ -45,7 +45,7 @@ pub(super) fn run(args: &MasksArgs) -> Result<(), ProgramError> {
     Ok(())
 }
 
-fn write_masks<W: MaskWord + npyz::AutoSerialize>(
+fn write_masks<W: CpuWord + npyz::AutoSerialize>(
     executor: &AnyExecutor,
     scene: Scene<'_>,
     path: &Path,

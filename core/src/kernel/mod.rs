@@ -10,12 +10,19 @@ pub mod build_level;
 pub mod key_receivers;
 pub mod key_triangles;
 pub mod order_triangles;
+pub mod pack;
 pub mod reduce;
 pub mod resolve;
+pub mod snap_receivers;
+pub mod snap_vertices;
 pub mod sort;
+pub mod status;
 mod table;
+pub mod triangles;
 
-pub use table::{Access, Bound, Kernel, KernelInfo, Slot, TABLE, WORKGROUP};
+use crate::params::Dispatched;
+
+pub use table::{Access, Bound, Kernel, KernelInfo, ParamsKind, Slot, TABLE, WORKGROUP};
 
 /// Element `index`, or `absent` where there is none.
 #[inline(always)]
@@ -43,6 +50,6 @@ fn point(from: &[[i32; 3]], index: usize) -> Option<glam::IVec3> {
 
 /// The id of a thread: workgroups of a dispatch are laid out in rows, since a row is limited.
 #[inline(always)]
-pub fn id(thread: [u32; 3], params: &crate::params::Params) -> usize {
-    (thread[1] * params.pass().row + thread[0]) as usize
+pub fn id<P: Dispatched>(thread: [u32; 3], params: &P) -> usize {
+    (thread[1] * params.row() + thread[0]) as usize
 }

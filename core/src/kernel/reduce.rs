@@ -1,13 +1,13 @@
-//! Kernel `reduce`: lit samples and visibility of one receiver.
+//! Kernel `reduce`: lit samples of one receiver.
 
 use crate::{
     kernel::{fetch, store},
     params::Params,
 };
 
-/// Receiver `id` of a block. `table` has the visibility of each lit count.
+/// Receiver `id` of a block.
 #[inline(always)]
-pub fn reduce(id: usize, params: &Params, masks: &[u32], table: &[f32], visibility: &mut [f32]) {
+pub fn reduce(id: usize, params: &Params, masks: &[u32], lit: &mut [u32]) {
     let pass = params.pass();
     if id >= pass.count as usize {
         return;
@@ -18,6 +18,5 @@ pub fn reduce(id: usize, params: &Params, masks: &[u32], table: &[f32], visibili
         blocked += fetch(masks, id * pass.stride as usize + k, 0).count_ones();
         k += 1;
     }
-    let lit = params.light().sample_count() - blocked;
-    store(visibility, pass.first as usize + id, fetch(table, lit as usize, 0.0));
+    store(lit, pass.first as usize + id, params.light().sample_count() - blocked);
 }

@@ -41,6 +41,47 @@ pub enum Kernel {
     Resolve64FastCounted,
     /// [`super::reduce`].
     Reduce,
+    /// [`super::pack`].
+    Pack,
+    /// [`super::snap_vertices::snap_vertices`].
+    SnapVertices,
+    /// [`super::snap_vertices::snap_instances`].
+    SnapInstances,
+    /// [`super::triangles::index_triangles`].
+    IndexTriangles,
+    /// [`super::triangles::number_triangles`].
+    NumberTriangles,
+    /// [`super::snap_receivers::snap_position`].
+    SnapPositions,
+    /// The same, one sample of multisampled textures.
+    SnapPositionSamples,
+    /// [`super::snap_receivers::snap_depth`].
+    SnapDepths,
+    /// The same, one sample of multisampled textures.
+    SnapDepthSamples,
+}
+
+/// What a kernel is told: the type of its binding 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u32)]
+pub enum ParamsKind {
+    /// [`crate::params::Params`]
+    Light,
+    /// [`crate::mesh::MeshParams`]
+    Mesh,
+    /// [`crate::gbuffer::ViewParams`]
+    View,
+}
+
+impl ParamsKind {
+    /// Bytes of the type.
+    pub const fn size(self) -> usize {
+        match self {
+            Self::Light => size_of::<crate::params::Params>(),
+            Self::Mesh => size_of::<crate::mesh::MeshParams>(),
+            Self::View => size_of::<crate::gbuffer::ViewParams>(),
+        }
+    }
 }
 
 /// What a kernel is bound to, by role.
@@ -69,10 +110,26 @@ pub enum Slot {
     Masks,
     /// [`super::resolve::ReceiverCounts`].
     Counts,
-    /// Lit count → visibility, f32.
+    /// Lit samples, u32.
+    LitCounts,
+    /// Lit count → visibility, in the format of the image.
     VisibilityTable,
-    /// Fraction of lit samples, f32.
-    Visibility,
+    /// Visibility of every pixel, packed into words of 32 bits.
+    Image,
+    /// The engine's vertices, words of 32 bits.
+    WorldVertices,
+    /// The engine's instances, words of 32 bits.
+    Instances,
+    /// The engine's indices, words of 32 bits.
+    Indices,
+    /// World positions of pixels.
+    Positions,
+    /// Depths of pixels.
+    Depths,
+    /// Normals of pixels.
+    Normals,
+    /// [`super::status::Status`], counted by atomics.
+    Status,
 }
 
 /// Whether a kernel writes a buffer.
@@ -83,9 +140,13 @@ pub enum Access {
     Read,
     /// It writes, and may read.
     Write,
+    /// A texture, read texel by texel.
+    Texture,
+    /// The same, multisampled.
+    Samples,
 }
 
-/// A storage buffer of a kernel. The k-th of a kernel has binding k + 1, in set 0; binding 0 is [`crate::params::Params`].
+/// A storage buffer or texture of a kernel. The k-th has binding k + 1, in set 0; binding 0 are the parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bound {
     /// What it holds.
@@ -103,7 +164,9 @@ pub struct KernelInfo {
     pub name: &'static str,
     /// The stage that it belongs to; the sort's kernels belong to both that order.
     pub stage: Stage,
-    /// Its storage buffers.
+    /// What it is told.
+    pub params: ParamsKind,
+    /// Its storage buffers and textures.
     pub bound: &'static [Bound],
 }
 
@@ -132,11 +195,27 @@ const RESOLVE: &[Bound] = match RESOLVE_COUNTED {
 };
 
 const fn line(kernel: Kernel, name: &'static str, stage: Stage, bound: &'static [Bound]) -> KernelInfo {
-    KernelInfo { kernel, name, stage, bound }
+    KernelInfo { kernel, name, stage, params: ParamsKind::Light, bound }
+}
+
+const fn mesh(kernel: Kernel, name: &'static str, bound: &'static [Bound]) -> KernelInfo {
+    KernelInfo { kernel, name, stage: Stage::SnapVertices, params: ParamsKind::Mesh, bound }
+}
+
+const fn view(kernel: Kernel, name: &'static str, bound: &'static [Bound]) -> KernelInfo {
+    KernelInfo { kernel, name, stage: Stage::SnapReceivers, params: ParamsKind::View, bound }
+}
+
+const fn texture(slot: Slot) -> Bound {
+    Bound { slot, access: Access::Texture }
+}
+
+const fn samples(slot: Slot) -> Bound {
+    Bound { slot, access: Access::Samples }
 }
 
 /// All kernels.
-pub const TABLE: [KernelInfo; 17] = [
+pub const TABLE: [KernelInfo; 26] = [
     line(
         Kernel::KeyTriangles,
         "key_triangles",
@@ -180,11 +259,48 @@ pub const TABLE: [KernelInfo; 17] = [
     line(Kernel::Resolve32FastCounted, "resolve_32_fast_counted", Stage::Resolve, RESOLVE_COUNTED),
     line(Kernel::Resolve64ExactCounted, "resolve_64_exact_counted", Stage::Resolve, RESOLVE_COUNTED),
     line(Kernel::Resolve64FastCounted, "resolve_64_fast_counted", Stage::Resolve, RESOLVE_COUNTED),
+    line(Kernel::Reduce, "reduce", Stage::Reduce, &[read(Slot::Masks), write(Slot::LitCounts)]),
     line(
-        Kernel::Reduce,
-        "reduce",
+        Kernel::Pack,
+        "pack",
         Stage::Reduce,
-        &[read(Slot::Masks), read(Slot::VisibilityTable), write(Slot::Visibility)],
+        &[read(Slot::LitCounts), read(Slot::VisibilityTable), write(Slot::Image)],
+    ),
+    mesh(
+        Kernel::SnapVertices,
+        "snap_vertices",
+        &[read(Slot::WorldVertices), write(Slot::Vertices), write(Slot::Status)],
+    ),
+    mesh(
+        Kernel::SnapInstances,
+        "snap_instances",
+        &[read(Slot::WorldVertices), read(Slot::Instances), write(Slot::Vertices), write(Slot::Status)],
+    ),
+    mesh(
+        Kernel::IndexTriangles,
+        "index_triangles",
+        &[read(Slot::Indices), write(Slot::Triangles), write(Slot::Status)],
+    ),
+    mesh(Kernel::NumberTriangles, "number_triangles", &[write(Slot::Triangles)]),
+    view(
+        Kernel::SnapPositions,
+        "snap_positions",
+        &[texture(Slot::Positions), texture(Slot::Normals), write(Slot::Receivers), write(Slot::Status)],
+    ),
+    view(
+        Kernel::SnapPositionSamples,
+        "snap_position_samples",
+        &[samples(Slot::Positions), samples(Slot::Normals), write(Slot::Receivers), write(Slot::Status)],
+    ),
+    view(
+        Kernel::SnapDepths,
+        "snap_depths",
+        &[texture(Slot::Depths), texture(Slot::Normals), write(Slot::Receivers), write(Slot::Status)],
+    ),
+    view(
+        Kernel::SnapDepthSamples,
+        "snap_depth_samples",
+        &[samples(Slot::Depths), samples(Slot::Normals), write(Slot::Receivers), write(Slot::Status)],
     ),
 ];
 

@@ -1,0 +1,56 @@
+//! The mask words that kernels are compiled for: here and once, not again in every crate that asks for masks.
+
+use umbra4_core::{
+    Exact, Fast, MaskWord, PairWord, Precision,
+    stage::{
+        resolve::{Group, Occlusion},
+        resolve_cells::CellScene,
+    },
+};
+
+use crate::Isa;
+
+/// A mask word of this executor: `u16`, `u32`, `u64`, and the pair of `u32` that GPUs use.
+pub trait CpuWord: MaskWord + Kernels {}
+
+impl<W: MaskWord + Kernels> CpuWord for W {}
+
+/// The kernels of a word.
+pub trait Kernels: Sized {
+    /// Fills the masks of a group. `isa` comes from [`Isa::available`].
+    #[doc(hidden)]
+    fn resolve(isa: Isa, precision: Precision, scene: &Occlusion<'_>, group: &mut Group<Self>);
+    /// The same, with the triangles `list` of its cell.
+    #[doc(hidden)]
+    fn resolve_cell(isa: Isa, precision: Precision, scene: &CellScene<'_>, list: &[u32], group: &mut Group<Self>);
+}
+
+macro_rules! kernels {
+    ($($word:ty),*) => {
+        $(
+            impl Kernels for $word {
+                fn resolve(isa: Isa, precision: Precision, scene: &Occlusion<'_>, group: &mut Group<Self>) {
+                    match precision {
+                        Precision::Exact => isa.resolve::<Self, Exact>(scene, group),
+                        Precision::Fast => isa.resolve::<Self, Fast>(scene, group),
+                    }
+                }
+
+                fn resolve_cell(
+                    isa: Isa,
+                    precision: Precision,
+                    scene: &CellScene<'_>,
+                    list: &[u32],
+                    group: &mut Group<Self>,
+                ) {
+                    match precision {
+                        Precision::Exact => isa.resolve_cell::<Self, Exact>(scene, list, group),
+                        Precision::Fast => isa.resolve_cell::<Self, Fast>(scene, list, group),
+                    }
+                }
+            }
+        )*
+    };
+}
+
+kernels!(u16, u32, u64, PairWord);

@@ -1,0 +1,329 @@
+//! An engine's buffers and textures, checked before anything is recorded: wgpu would refuse the whole encoder later.
+
+use std::num::NonZero;
+
+use umbra4_core::{gbuffer::ViewParams, glam::Mat4, mesh::MeshParams, snap::SnapParams};
+use wgpu::{
+    Buffer, BufferUsages, Device, IndexFormat, TextureDimension, TextureFormat, TextureSampleType, TextureUsages,
+    TextureView,
+};
+
+use crate::{
+    GpuError,
+    frame::{GBuffer, Image, Light, Mesh, Surface},
+    image::VisibilityFormat,
+    recorder::Resource,
+};
+
+fn refuse<T>(field: impl Into<String>, value: impl ToString, needs: &'static str) -> Result<T, GpuError> {
+    Err(GpuError::Field { field: field.into(), value: value.to_string(), needs })
+}
+
+fn check(holds: bool, field: &str, name: &str, value: impl ToString, needs: &'static str) -> Result<(), GpuError> {
+    if holds { Ok(()) } else { refuse(format!("{field}.{name}"), value, needs) }
+}
+
+/// Elements of a buffer: where the first lies, how far it is to the next, and the bytes that are read of each.
+struct Elements<'a> {
+    buffer: &'a Buffer,
+    offset: u64,
+    stride: u64,
+    size: u64,
+    count: u64,
+}
+
+impl Elements<'_> {
+    /// The part of the buffer that holds them, and the byte of it at which the first begins.
+    fn part(&self, device: &Device, field: &str) -> Result<(Resource, u64), GpuError> {
+        let Self { buffer, offset, stride, size, count } = *self;
+        let usage = buffer.usage();
+        check(usage.contains(BufferUsages::STORAGE), field, "buffer", format!("{usage:?}"), "its usage needs STORAGE")?;
+        check(offset.is_multiple_of(size.min(4)), field, "offset", offset, "it has to be a multiple of 4")?;
+        let last = (count.saturating_sub(1)).checked_mul(stride).and_then(|bytes| bytes.checked_add(offset));
+        let end = last.and_then(|last| last.checked_add(size)).and_then(|end| end.checked_next_multiple_of(4));
+        let Some(end) = end.filter(|end| *end <= buffer.size()) else {
+            return refuse(
+                format!("{field}.buffer"),
+                format!("{} bytes long", buffer.size()),
+                "elements lie beyond its end",
+            );
+        };
+        let limits = device.limits();
+        let start = offset - offset % u64::from(limits.min_storage_buffer_offset_alignment);
+        let limit = limits.max_storage_buffer_binding_size;
+        match NonZero::new(end - start) {
+            Some(bytes) if bytes.get() > limit => {
+                Err(GpuError::TooLarge { what: "elements of a mesh", bytes: bytes.get(), limit })
+            }
+            Some(bytes) => Ok((Resource::Part(buffer.clone(), start, bytes), offset - start)),
+            None => refuse(format!("{field}.count"), 0, "it may not be 0"),
+        }
+    }
+}
+
+/// A mesh as its kernels take it.
+pub(crate) struct CheckedMesh {
+    pub(crate) vertices: Resource,
+    pub(crate) indices: Option<Resource>,
+    pub(crate) instances: Option<Resource>,
+    /// But the number of ids, which is that of vertices or triangles of all instances.
+    pub(crate) params: MeshParams,
+    pub(crate) all_vertices: u32,
+    pub(crate) all_triangles: u32,
+}
+
+/// All meshes, one after the other among the snapped vertices and the triangles. Those without triangles are left out.
+pub(crate) fn meshes(device: &Device, snap: SnapParams, meshes: &[Mesh<'_>]) -> Result<Vec<CheckedMesh>, GpuError> {
+    let (mut vertices, mut triangles) = (0_u32, 0_u32);
+    let mut out = Vec::with_capacity(meshes.len());
+    for (index, mesh) in meshes.iter().enumerate() {
+        let mut checked = match mesh_of(device, snap, mesh, &format!("meshes[{index}]"))? {
+            Some(checked) => checked,
+            None => continue,
+        };
+        checked.params.vertex_base = vertices;
+        checked.params.triangle_base = triangles;
+        vertices = sum("vertices", vertices, checked.all_vertices)?;
+        triangles = sum("triangles", triangles, checked.all_triangles)?;
+        out.push(checked);
+    }
+    Ok(out)
+}
+
+/// Largest number of elements of one kind.
+const MOST: u32 = u32::MAX - 1;
+
+fn sum(field: &'static str, a: u32, b: u32) -> Result<u32, GpuError> {
+    let count = u64::from(a) + u64::from(b);
+    count_of(field, count)
+}
+
+fn count_of(field: &'static str, count: u64) -> Result<u32, GpuError> {
+    match u32::try_from(count) {
+        Ok(count) if count <= MOST => Ok(count),
+        _ => Err(GpuError::TooMany { field, count: count as usize, most: MOST as usize }),
+    }
+}
+
+fn mesh_of(device: &Device, snap: SnapParams, mesh: &Mesh<'_>, field: &str) -> Result<Option<CheckedMesh>, GpuError> {
+    let Mesh { vertices: v, indices, instances } = mesh;
+    let of = |name: &str| format!("{field}.{name}");
+    check(
+        v.stride >= 12 && v.stride.is_multiple_of(4),
+        &of("vertices"),
+        "stride",
+        v.stride,
+        "a multiple of 4, at least 12, is needed",
+    )?;
+    let corners = indices.map_or(v.count, |indices| indices.count);
+    let counted = if indices.is_some() { of("indices") } else { of("vertices") };
+    check(corners.is_multiple_of(3), &counted, "count", corners, "triangles have three corners")?;
+    let drawn = instances.map_or(1, |instances| instances.count);
+    if v.count == 0 || corners == 0 || drawn == 0 {
+        return Ok(None);
+    }
+    let elements =
+        Elements { buffer: v.buffer, offset: v.offset, stride: v.stride, size: 12, count: u64::from(v.count) };
+    let (vertices, vertex_first) = elements.part(device, &of("vertices"))?;
+    let mut params = MeshParams {
+        snap,
+        count: 0,
+        row: 0,
+        vertex_first: (vertex_first / 4) as u32,
+        vertex_stride: (v.stride / 4) as u32,
+        vertices: v.count,
+        vertex_base: 0,
+        instance_first: 0,
+        instance_stride: 0,
+        index_first: 0,
+        index_bits: 32,
+        index_offset: 0,
+        triangles: corners / 3,
+        triangle_base: 0,
+        padding: [0; 2],
+    };
+    let mut bound_indices = None;
+    if let Some(i) = indices {
+        let size = if i.format == IndexFormat::Uint16 { 2 } else { 4 };
+        let elements = Elements {
+            buffer: i.buffer,
+            offset: u64::from(i.first) * size,
+            stride: size,
+            size,
+            count: u64::from(i.count),
+        };
+        let (resource, first) = elements.part(device, &of("indices"))?;
+        params.index_first = (first / size) as u32;
+        params.index_bits = 8 * size as u32;
+        params.index_offset = i.base_vertex;
+        bound_indices = Some(resource);
+    }
+    let mut bound_instances = None;
+    if let Some(i) = instances {
+        let name = of("instances");
+        check(
+            i.stride >= 64 && i.stride.is_multiple_of(4),
+            &name,
+            "stride",
+            i.stride,
+            "a multiple of 4, at least 64, is needed",
+        )?;
+        let elements =
+            Elements { buffer: i.buffer, offset: i.offset, stride: i.stride, size: 64, count: u64::from(i.count) };
+        let (resource, first) = elements.part(device, &name)?;
+        params.instance_first = (first / 4) as u32;
+        params.instance_stride = (i.stride / 4) as u32;
+        bound_instances = Some(resource);
+    }
+    Ok(Some(CheckedMesh {
+        vertices,
+        indices: bound_indices,
+        instances: bound_instances,
+        params,
+        all_vertices: count_of("vertices", u64::from(v.count) * u64::from(drawn))?,
+        all_triangles: count_of("triangles", u64::from(corners / 3) * u64::from(drawn))?,
+    }))
+}
+
+/// A G-buffer as its kernels take it.
+pub(crate) struct CheckedView {
+    pub(crate) surface: Resource,
+    pub(crate) normals: Resource,
+    pub(crate) depths: bool,
+    pub(crate) multisampled: bool,
+    pub(crate) size: [u32; 2],
+    /// But the pixels, which come block by block.
+    pub(crate) params: ViewParams,
+}
+
+fn texture(view: &TextureView, field: &str) -> Result<[u32; 3], GpuError> {
+    let texture = view.texture();
+    let usage = texture.usage();
+    let usable = usage.contains(TextureUsages::TEXTURE_BINDING);
+    check(usable, field, "usage", format!("{usage:?}"), "it needs TEXTURE_BINDING")?;
+    let dimension = texture.dimension();
+    check(dimension == TextureDimension::D2, field, "dimension", format!("{dimension:?}"), "it has to be D2")?;
+    let format = texture.format();
+    let kind =
+        format.sample_type(Some(wgpu::TextureAspect::DepthOnly), None).or_else(|| format.sample_type(None, None));
+    let float = matches!(kind, Some(TextureSampleType::Float { .. } | TextureSampleType::Depth));
+    check(float, field, "format", format!("{format:?}"), "it has to be a float, normalised or depth format")?;
+    Ok([texture.width(), texture.height(), texture.sample_count()])
+}
+
+/// Largest error of a depth beside the relative one: that of its format.
+fn depth_quantum(format: TextureFormat) -> f32 {
+    match format {
+        TextureFormat::Depth16Unorm => 1.0 / 65535.0,
+        TextureFormat::Depth24Plus | TextureFormat::Depth24PlusStencil8 => 1.0 / 16_777_215.0,
+        _ => 0.0,
+    }
+}
+
+pub(crate) fn gbuffer(snap: SnapParams, gbuffer: &GBuffer<'_>) -> Result<CheckedView, GpuError> {
+    let (view, depths) = match gbuffer.surface {
+        Surface::Positions { view, .. } => (view, false),
+        Surface::Depths { view, .. } => (view, true),
+    };
+    let [width, height, samples] = texture(view, "gbuffer.surface.view")?;
+    let normals = texture(gbuffer.normals, "gbuffer.normals")?;
+    if normals != [width, height, samples] {
+        let value = format!("{normals:?} (width, height, samples)");
+        return refuse("gbuffer.normals", value, "it has to be as large as the surface, with as many samples");
+    }
+    check(gbuffer.sample < samples, "gbuffer", "sample", gbuffer.sample, "there is no such sample")?;
+    let mut params = ViewParams {
+        snap,
+        count: 0,
+        row: 0,
+        width,
+        first: 0,
+        sample: gbuffer.sample,
+        normals: gbuffer.encoding as u32,
+        lift: 0,
+        empty_depth: 0.0,
+        depth_error: 0.0,
+        depth_quantum: 0.0,
+        pixel_width: 2.0 / width as f32,
+        pixel_height: 2.0 / height as f32,
+        padding: [0; 3],
+        unproject: Mat4::IDENTITY.to_cols_array_2d(),
+    };
+    match gbuffer.surface {
+        Surface::Positions { lift, .. } => params.lift = lift.steps(),
+        Surface::Depths { view, unproject, empty, ulps } => {
+            check(unproject.is_finite(), "gbuffer.surface", "unproject", unproject, "all of it has to be finite")?;
+            check(ulps <= 1 << 20, "gbuffer.surface", "ulps", ulps, "that is no depth any more")?;
+            params.empty_depth = empty;
+            params.depth_error = ulps as f32 * f32::EPSILON;
+            params.depth_quantum = depth_quantum(view.texture().format());
+            params.unproject = unproject.as_mat4().to_cols_array_2d();
+        }
+    }
+    Ok(CheckedView {
+        surface: Resource::Texture(view.clone()),
+        normals: Resource::Texture(gbuffer.normals.clone()),
+        depths,
+        multisampled: samples > 1,
+        size: [width, height],
+        params,
+    })
+}
+
+/// Where an image of visibility goes.
+pub(crate) fn image(image: &Image<'_>, [width, height]: [u32; 2], field: &str) -> Result<VisibilityFormat, GpuError> {
+    let field = format!("{field}.visibility");
+    match image {
+        Image::Texture { texture, layer } => {
+            let format = texture.format();
+            let Some(known) = VisibilityFormat::of(format) else {
+                return refuse(
+                    format!("{field}.format"),
+                    format!("{format:?}"),
+                    "R8Unorm, R16Float or R32Float is needed",
+                );
+            };
+            let usage = texture.usage();
+            let usable = usage.contains(TextureUsages::COPY_DST);
+            check(usable, &field, "usage", format!("{usage:?}"), "it needs COPY_DST")?;
+            let size = format!("{} × {}", texture.width(), texture.height());
+            let fits = texture.width() == width && texture.height() == height && texture.sample_count() == 1;
+            check(fits, &field, "size", size, "it has to be as large as the G-buffer, with one sample")?;
+            let layered = texture.dimension() == TextureDimension::D2 && *layer < texture.depth_or_array_layers();
+            check(layered, &field, "layer", layer, "the texture has no such layer")?;
+            Ok(known)
+        }
+        Image::Buffer { buffer, format } => {
+            let usage = buffer.usage();
+            let usable = usage.contains(BufferUsages::STORAGE);
+            check(usable, &field, "buffer", format!("{usage:?}"), "its usage needs STORAGE")?;
+            let bytes = 4 * u64::from(format.words(width)) * u64::from(height);
+            let size = format!("{} bytes long", buffer.size());
+            check(buffer.size() >= bytes, &field, "buffer", size, "the image does not fit it")?;
+            Ok(*format)
+        }
+    }
+}
+
+/// Where masks of `stride` words of 32 bits go.
+pub(crate) fn masks(buffer: &Buffer, pixels: u64, stride: u32, field: &str) -> Result<(), GpuError> {
+    let usage = buffer.usage();
+    check(usage.contains(BufferUsages::COPY_DST), field, "masks", format!("{usage:?}"), "its usage needs COPY_DST")?;
+    let size = format!("{} bytes long", buffer.size());
+    check(buffer.size() >= 4 * pixels * u64::from(stride), field, "masks", size, "the masks do not fit it")
+}
+
+/// The lights' names in errors.
+pub(crate) fn light_field(index: usize) -> String {
+    format!("lights[{index}]")
+}
+
+/// Whether a light asks for anything.
+pub(crate) fn asks(light: &Light<'_>) -> bool {
+    light.visibility.is_some() || light.masks.is_some()
+}
+
+/// Pixels of a frame.
+pub(crate) fn pixels(frame: &CheckedView) -> Result<u32, GpuError> {
+    count_of("receivers", u64::from(frame.size[0]) * u64::from(frame.size[1]))
+}

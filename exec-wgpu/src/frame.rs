@@ -1,0 +1,143 @@
+//! What an engine hands over for a frame: its own buffers and textures, where they lie.
+
+use umbra4_core::{AreaLight, Bounds, Lift, gbuffer::NormalEncoding, glam::DMat4};
+use wgpu::{Buffer, IndexFormat, Texture, TextureView};
+
+use crate::image::VisibilityFormat;
+
+/// One frame: what blocks light, what is seen, and the lights.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// The world, with the lights and all that moves: what the lattice holds. World space. As long as the largest
+    /// coordinate stays within the same power of two, so does the lattice.
+    pub bounds: Bounds,
+    /// What blocks light.
+    pub meshes: &'a [Mesh<'a>],
+    /// What is seen.
+    pub gbuffer: GBuffer<'a>,
+    /// The lights, and where their shadows go.
+    pub lights: &'a [Light<'a>],
+}
+
+/// A mesh, drawn once or many times.
+#[derive(Clone, Copy, Debug)]
+pub struct Mesh<'a> {
+    /// Its vertices.
+    pub vertices: Vertices<'a>,
+    /// Its indices; without them, three vertices after the other are a triangle.
+    pub indices: Option<Indices<'a>>,
+    /// Its instances; without them, its vertices are in world space.
+    pub instances: Option<Instances<'a>>,
+}
+
+/// Positions of vertices: three f32 each. The buffer's usage has `STORAGE`.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertices<'a> {
+    /// The vertex buffer.
+    pub buffer: &'a Buffer,
+    /// Byte of the first vertex's position; a multiple of 4.
+    pub offset: u64,
+    /// Bytes from one position to the next; a multiple of 4, at least 12.
+    pub stride: u64,
+    /// Vertices there are.
+    pub count: u32,
+}
+
+/// Indices of triangles: a triangle list. The buffer's usage has `STORAGE`, and its size is a multiple of 4.
+#[derive(Clone, Copy, Debug)]
+pub struct Indices<'a> {
+    /// The index buffer.
+    pub buffer: &'a Buffer,
+    /// 16 or 32 bits.
+    pub format: IndexFormat,
+    /// First index, as in a draw.
+    pub first: u32,
+    /// Indices of an instance; a multiple of 3.
+    pub count: u32,
+    /// Added to every index, as in a draw.
+    pub base_vertex: i32,
+}
+
+/// Instances: a 4 × 4 matrix each, object → world, f32, column-major, affine. The buffer's usage has `STORAGE`.
+#[derive(Clone, Copy, Debug)]
+pub struct Instances<'a> {
+    /// The instance buffer.
+    pub buffer: &'a Buffer,
+    /// Byte of the first matrix; a multiple of 4.
+    pub offset: u64,
+    /// Bytes from one matrix to the next; a multiple of 4, at least 64.
+    pub stride: u64,
+    /// Instances there are.
+    pub count: u32,
+}
+
+/// What is seen through each pixel. The textures' usage has `TEXTURE_BINDING`; all have the same size and number of
+/// samples; the views are of one layer, and of the first mip level.
+#[derive(Clone, Copy, Debug)]
+pub struct GBuffer<'a> {
+    /// Where the surfaces are.
+    pub surface: Surface<'a>,
+    /// Normals of the surfaces, world space, towards the side that is seen.
+    pub normals: &'a TextureView,
+    /// How they are stored.
+    pub encoding: NormalEncoding,
+    /// The sample of multisampled textures whose surface stands for the pixel. 0 for others.
+    pub sample: u32,
+}
+
+/// Where surfaces are.
+#[derive(Clone, Copy, Debug)]
+pub enum Surface<'a> {
+    /// Stored world positions.
+    Positions {
+        /// x, y, z, f32; a fourth component of 0 where nothing is seen.
+        view: &'a TextureView,
+        /// How they were rounded: [`Lift::f32_positions_off_by`] a few units in the last place, as interpolation gives.
+        lift: Lift,
+    },
+    /// Stored depths. How far surfaces are lifted follows from the error of each pixel's unprojection.
+    Depths {
+        /// Depth, of any depth format or in the first component of a float format; a view of the depth aspect alone.
+        view: &'a TextureView,
+        /// The inverse of the view-projection matrix: clip space, with x and y in −1..=1 and y up, → world. Best computed
+        /// in f64: only its rounding to f32 is counted as an error.
+        unproject: DMat4,
+        /// Depth where nothing is seen.
+        empty: f32,
+        /// Units in the last place by which depths may be off, from the vertex stage and interpolation: 4 is usual.
+        ulps: u32,
+    },
+}
+
+/// A light, and where its shadows go.
+#[derive(Clone, Copy, Debug)]
+pub struct Light<'a> {
+    /// The light.
+    pub light: AreaLight,
+    /// Moves its samples off a surface that it is flush with; else [`Lift::NONE`].
+    pub lift: Lift,
+    /// Where the fraction of lit samples of every pixel goes.
+    pub visibility: Option<Image<'a>>,
+    /// Where the masks of all pixels go, pixels row by row: rows of 16, 32 or 64 bits, the narrowest that hold the light's
+    /// columns, in words of 32 bits, each mask from a word of its own. The buffer's usage has `COPY_DST`.
+    pub masks: Option<&'a Buffer>,
+}
+
+/// An image of visibility, as large as the G-buffer.
+#[derive(Clone, Copy, Debug)]
+pub enum Image<'a> {
+    /// A layer of a texture of format `R8Unorm`, `R16Float` or `R32Float`, whose usage has `COPY_DST`.
+    Texture {
+        /// The texture.
+        texture: &'a Texture,
+        /// Its layer.
+        layer: u32,
+    },
+    /// A buffer whose usage has `STORAGE`: rows one after the other, each from a word of 32 bits on.
+    Buffer {
+        /// The buffer.
+        buffer: &'a Buffer,
+        /// Format of a pixel.
+        format: VisibilityFormat,
+    },
+}

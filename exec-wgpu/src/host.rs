@@ -1,0 +1,132 @@
+//! A run for the host: what it hands over goes up, what it asked for comes back, block by block.
+
+use umbra4_core::{glam::IVec3, kernel::resolve::ReceiverCounts, stage::Stage};
+use wgpu::{Buffer, CommandEncoderDescriptor};
+
+use crate::{
+    Gpu, GpuError, LatticeScene,
+    error::guarded,
+    readback::{copy, read},
+    recorder::Recorder,
+    stages::{Buffers, Ends},
+    timing::seconds,
+};
+
+/// What is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Asked {
+    pub(crate) masks: bool,
+    pub(crate) counts: bool,
+    pub(crate) visibility: bool,
+}
+
+/// What came back.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Results {
+    pub(crate) masks: Vec<u32>,
+    pub(crate) lit: Vec<u32>,
+    pub(crate) counts: Vec<ReceiverCounts>,
+    pub(crate) stages: Vec<(Stage, f64)>,
+}
+
+/// The host's ends of a run.
+pub(crate) struct Host<'a> {
+    gpu: &'a Gpu,
+    asked: Asked,
+    stride: u32,
+    receivers: u64,
+    results: Results,
+}
+
+impl<'a> Host<'a> {
+    /// `stride`: words of 32 bits that a receiver's mask takes.
+    pub(crate) fn new(gpu: &'a Gpu, asked: Asked, stride: u32) -> Self {
+        Self { gpu, asked, stride, receivers: 0, results: Results::default() }
+    }
+
+    /// Brings the scene and the receivers to the device. No run is under way: each has waited for its results.
+    pub(crate) fn upload(
+        &self,
+        buffers: &Buffers,
+        scene: &LatticeScene<'_>,
+        receivers: &[IVec3],
+    ) -> Result<(), GpuError> {
+        let Gpu { device, queue, .. } = self.gpu;
+        let parts: [(&Buffer, &[u8]); 3] = [
+            (&buffers.vertices, bytemuck::cast_slice(scene.vertices)),
+            (&buffers.triangles, bytemuck::cast_slice(scene.triangles)),
+            (&buffers.receivers, bytemuck::cast_slice(receivers)),
+        ];
+        guarded(device, "uploads a scene", || {
+            for (buffer, bytes) in parts {
+                queue.write_buffer(buffer, 0, bytes);
+            }
+        })
+    }
+
+    /// The results of all blocks.
+    pub(crate) fn finish(self, recorder: &mut Recorder, buffers: &Buffers) -> Result<Results, GpuError> {
+        let Self { gpu: Gpu { device, queue, .. }, asked, mut results, receivers, .. } = self;
+        let Some(lit) = buffers.lit.as_ref().filter(|_| asked.visibility && receivers > 0) else { return Ok(results) };
+        let staging = guarded(device, "reads lit counts", || {
+            let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor { label: Some("umbra4") });
+            let staging = copy(device, &mut encoder, lit, receivers * size_of::<u32>() as u64);
+            queue.submit([encoder.finish()]);
+            staging
+        })?;
+        recorder.restart();
+        results.lit = read(device, &staging)?;
+        Ok(results)
+    }
+}
+
+impl Ends for Host<'_> {
+    // Both are on the lattice already: no plan for the host has these stages.
+    fn snap_vertices(&mut self, _: &mut Recorder, _: &Buffers) -> Result<(), GpuError> {
+        Ok(())
+    }
+
+    fn snap_receivers(&mut self, _: &mut Recorder, _: &Buffers, _: u32, _: u32) -> Result<(), GpuError> {
+        Ok(())
+    }
+
+    fn block(&mut self, recorder: &mut Recorder, buffers: &Buffers, _: u32, count: u32) -> Result<(), GpuError> {
+        self.receivers += u64::from(count);
+        let Self { gpu: Gpu { device, queue, .. }, asked, stride, results, .. } = self;
+        let (masks, counts, ticks) = guarded(device, "records passes", || {
+            let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor { label: Some("umbra4") });
+            recorder.encode(&mut encoder)?;
+            let words = u64::from(count) * u64::from(*stride);
+            let masks = asked.masks.then(|| copy(device, &mut encoder, &buffers.masks, words * 4));
+            let size = u64::from(count) * size_of::<ReceiverCounts>() as u64;
+            let counts = buffers.counts.as_ref().map(|counts| copy(device, &mut encoder, counts, size));
+            let ticks = recorder.timing().filter(|timing| !timing.stages().is_empty()).map(|timing| {
+                let size = timing.stages().len() * size_of::<[u64; 2]>();
+                copy(device, &mut encoder, timing.ticks(), size as u64)
+            });
+            queue.submit([encoder.finish()]);
+            Ok::<_, GpuError>((masks, counts, ticks))
+        })??;
+        if let Some(masks) = masks {
+            results.masks.extend(read::<u32>(device, &masks)?);
+        }
+        if let Some(counts) = counts {
+            results.counts.extend(read::<ReceiverCounts>(device, &counts)?);
+        }
+        if let Some((timing, ticks)) = recorder.timing().zip(ticks) {
+            let ticks = read::<u64>(device, &ticks)?;
+            add(&mut results.stages, seconds(timing.stages(), &ticks, queue.get_timestamp_period()));
+        }
+        Ok(())
+    }
+}
+
+/// Adds the times of another block.
+fn add(sums: &mut Vec<(Stage, f64)>, block: Vec<(Stage, f64)>) {
+    for (stage, time) in block {
+        match sums.iter_mut().find(|(known, _)| *known == stage) {
+            Some((_, sum)) => *sum += time,
+            None => sums.push((stage, time)),
+        }
+    }
+}

@@ -1,0 +1,424 @@
+//! Soft shadows within an engine's frame: recorded into its encoder, over its buffers and textures.
+
+use std::collections::HashMap;
+
+use umbra4_core::{
+    IndexKind, Lattice, LatticeLight, Plan, Precision, SceneFacts,
+    glam::IVec3,
+    kernel::{Kernel, status::Status},
+    mesh::MeshParams,
+    params::{Params, PassParams},
+    snap::SnapParams,
+    stage::Stage,
+};
+use wgpu::{
+    Buffer, BufferDescriptor, BufferUsages, CommandEncoder, CommandEncoderDescriptor, Device, DeviceType, Queue,
+};
+
+use crate::{
+    GpuError, Loading,
+    checks::{self, CheckedMesh, CheckedView},
+    error::guarded,
+    frame::{Frame, Image, Light},
+    gpu::check_limits,
+    image::VisibilityFormat,
+    readback::{copy, read},
+    recorder::{Recorder, Resource},
+    scratch::Scratch,
+    stages::{BLOCK, Buffers, Ends, Layout, Stages, narrowest},
+    timing::{Timing, seconds},
+};
+
+/// Distance of rows that are copied to a texture, in words of 32 bits: what wgpu asks for.
+const PITCH: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / 4;
+
+/// Soft shadows for an engine. It keeps what frames have in common: pipelines, buffers, bind groups.
+///
+/// A frame is recorded, not run: nothing waits and nothing is read back, and once frames no longer grow, nothing is
+/// allocated. Frames have to be submitted in the order in which they were recorded.
+///
+/// ```no_run
+/// use umbra4_core::{AreaLight, Bounds, Lift, gbuffer::NormalEncoding, glam::DVec3};
+/// use umbra4_wgpu::{Frame, GBuffer, Image, Light, Mesh, SoftShadows, Surface, Vertices, wgpu};
+///
+/// fn frame(
+///     shadows: &mut SoftShadows, // SoftShadows::new(&device)?, once
+///     encoder: &mut wgpu::CommandEncoder,
+///     vertices: &wgpu::Buffer, // 32 bytes a vertex, position first
+///     [positions, normals]: [&wgpu::TextureView; 2],
+///     visibility: &wgpu::Texture,
+/// ) -> Result<(), Box<dyn std::error::Error>> {
+///     let lamp = AreaLight::new(DVec3::new(-0.5, 3.0, -0.5), DVec3::X, DVec3::Z, 16, 16)?;
+///     let lift = Lift::f32_positions_off_by(4).ok_or("1 to 8 units")?;
+///     shadows.record(encoder, &Frame {
+///         bounds: Bounds { min: DVec3::splat(-10.0), max: DVec3::splat(10.0) },
+///         meshes: &[Mesh {
+///             vertices: Vertices { buffer: vertices, offset: 0, stride: 32, count: 300 },
+///             indices: None,
+///             instances: None,
+///         }],
+///         gbuffer: GBuffer {
+///             surface: Surface::Positions { view: positions, lift },
+///             normals,
+///             encoding: NormalEncoding::Signed,
+///             sample: 0,
+///         },
+///         lights: &[Light {
+///             light: lamp,
+///             lift: Lift::NONE,
+///             visibility: Some(Image::Texture { texture: visibility, layer: 0 }),
+///             masks: None,
+///         }],
+///     })?;
+///     Ok(())
+/// }
+/// ```
+#[derive(Debug)]
+pub struct SoftShadows {
+    device: Device,
+    software: bool,
+    precision: Precision,
+    recorder: Recorder,
+    scratch: Scratch,
+    tables: HashMap<(u32, VisibilityFormat), Buffer>,
+    status: Buffer,
+    snapped: Option<Snapped>,
+}
+
+/// The last frame on the lattice: the very integers for which its masks are exact. Vertices and receivers are i32 × 3, with
+/// `i32::MIN` in the place of those that take no part; triangles are u32 × 3, vertex indices.
+#[derive(Clone, Debug)]
+pub struct Snapped {
+    /// Its vertices; the usage has `COPY_SRC`.
+    pub vertices: Buffer,
+    /// How many there are.
+    pub vertex_count: u32,
+    /// Its triangles; the usage has `COPY_SRC`.
+    pub triangles: Buffer,
+    /// How many there are.
+    pub triangle_count: u32,
+    /// Its receivers, pixels row by row; the usage has `COPY_SRC`.
+    pub receivers: Buffer,
+    /// How many there are.
+    pub receiver_count: u32,
+    /// Its lights.
+    pub lights: Vec<LatticeLight>,
+}
+
+impl SoftShadows {
+    /// Exact shadows on the engine's device, which needs no feature.
+    ///
+    /// # Errors
+    /// A limit of the device is too small.
+    pub fn new(device: &Device) -> Result<Self, GpuError> {
+        Self::with(device, Precision::Exact, Loading::Checked)
+    }
+
+    /// With another precision, or another way to load kernels.
+    ///
+    /// # Errors
+    /// As [`SoftShadows::new`]; the device cannot load kernels so.
+    pub fn with(device: &Device, precision: Precision, loading: Loading) -> Result<Self, GpuError> {
+        check_limits(&device.adapter_info().name, &device.limits())?;
+        loading.check(device)?;
+        let status = guarded(device, "allocates a buffer", || {
+            device.create_buffer(&BufferDescriptor {
+                label: Some("umbra4 status"),
+                size: size_of::<Status>() as u64,
+                usage: BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        })?;
+        Ok(Self {
+            device: device.clone(),
+            software: device.adapter_info().device_type == DeviceType::Cpu,
+            precision,
+            recorder: Recorder::new(device, loading, None),
+            scratch: Scratch::default(),
+            tables: HashMap::new(),
+            status,
+            snapped: None,
+        })
+    }
+
+    /// Takes the time of every stage, where the device has timestamps ([`wgpu::Features::TIMESTAMP_QUERY`]). Stages no
+    /// longer overlap then.
+    ///
+    /// # Errors
+    /// The device is out of memory.
+    pub fn time_stages(&mut self) -> Result<(), GpuError> {
+        self.recorder.set_timing(Timing::new(&self.device)?);
+        Ok(())
+    }
+
+    /// Counts of what the last frame could not use, [`Status`]. The buffer's usage has `COPY_SRC`.
+    pub fn status(&self) -> &Buffer {
+        &self.status
+    }
+
+    /// The last frame on the lattice, once there was one.
+    pub fn snapped(&self) -> Option<&Snapped> {
+        self.snapped.as_ref()
+    }
+
+    /// Waits for the last frame, which has been submitted, and tells the seconds of its stages. For tools: an engine does
+    /// not wait. Empty where [`SoftShadows::time_stages`] was not called, or the device has no timestamps.
+    ///
+    /// # Errors
+    /// The device fails.
+    pub fn stage_times(&self, queue: &Queue) -> Result<Vec<(Stage, f64)>, GpuError> {
+        let Some(timing) = self.recorder.timing().filter(|timing| !timing.stages().is_empty()) else {
+            return Ok(Vec::new());
+        };
+        let staging = guarded(&self.device, "reads timestamps", || {
+            let mut encoder = self.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("umbra4") });
+            let size = timing.stages().len() * size_of::<[u64; 2]>();
+            let staging = copy(&self.device, &mut encoder, timing.ticks(), size as u64);
+            queue.submit([encoder.finish()]);
+            staging
+        })?;
+        Ok(seconds(timing.stages(), &read::<u64>(&self.device, &staging)?, queue.get_timestamp_period()))
+    }
+
+    /// Records the shadows of a frame. Nothing is recorded where an error is returned.
+    ///
+    /// # Errors
+    /// Bounds that no lattice holds; a light that the lattice is too coarse for; a buffer or texture that cannot be used,
+    /// by name; more than the device can hold.
+    pub fn record(&mut self, encoder: &mut CommandEncoder, frame: &Frame<'_>) -> Result<(), GpuError> {
+        let device = self.device.clone();
+        let lattice = Lattice::covering(frame.bounds)?;
+        let corners = [frame.bounds.min, frame.bounds.max].map(|corner| lattice.snap_f64(corner));
+        // A lattice around zero has parameters, and it holds the bounds that it was made for.
+        let (Some(snap), [Ok(low), Ok(high)]) = (lattice.snap_params(), corners) else { return Ok(()) };
+        let checked = Checked::new(&device, snap, &lattice, frame)?;
+        self.recorder.restart();
+        guarded(&device, "records a frame", || {
+            self.collect(frame, &checked, [low, high])?;
+            self.recorder.encode(encoder)
+        })?
+    }
+
+    /// Collects the steps of a frame.
+    fn collect(&mut self, frame: &Frame<'_>, checked: &Checked, bounds: [IVec3; 2]) -> Result<(), GpuError> {
+        self.recorder.set_stage(Stage::SnapVertices);
+        self.recorder.clear(&self.status);
+        let mut first = true;
+        self.snapped = None;
+        for (light, own) in frame.lights.iter().zip(&checked.lights) {
+            if !checks::asks(light) {
+                continue;
+            }
+            let layout = own.layout(self.precision, self.software);
+            let plan = Plan::new(SceneFacts {
+                new_vertices: if first { checked.vertices } else { 0 },
+                triangles: checked.triangles,
+                receivers: checked.receivers,
+                world_receivers: first,
+                visibility: light.visibility.is_some(),
+                block: layout.block(BLOCK),
+                index: IndexKind::Hierarchy,
+            });
+            first = false;
+            let buffers = Buffers::fit(&mut self.scratch, &self.device, &plan, &layout, checked.vertices)?;
+            let ends = Engine { checked, status: &self.status, masks: light.masks, stride: layout.stride };
+            Stages::new(&plan, layout, &own.light, bounds, &mut self.recorder, &buffers, ends).run()?;
+            if let (Some(image), Some(format), Some(lit)) = (&light.visibility, own.format, &buffers.lit) {
+                self.pack(image, format, own.light.sample_count(), checked.view.size, lit)?;
+            }
+            self.snapped = Some(checked.snapped(&buffers));
+        }
+        Ok(())
+    }
+
+    /// Lit counts to an image.
+    fn pack(
+        &mut self,
+        image: &Image<'_>,
+        format: VisibilityFormat,
+        samples: u32,
+        [width, height]: [u32; 2],
+        lit: &Buffer,
+    ) -> Result<(), GpuError> {
+        let table = self.table(samples, format)?;
+        let words = format.words(width);
+        let (pitch, target) = match image {
+            Image::Texture { .. } => {
+                let pitch = words.next_multiple_of(PITCH);
+                let count = u64::from(pitch) * u64::from(height);
+                (pitch, self.scratch.fit::<u32>(&self.device, "image", count)?)
+            }
+            Image::Buffer { buffer, .. } => (words, (*buffer).clone()),
+        };
+        let pass =
+            PassParams { count: pitch * height, width, pitch, texels: format.pixels_a_word(), ..PassParams::default() };
+        let params = <Params as bytemuck::Zeroable>::zeroed().with_pass(&pass);
+        self.recorder.set_stage(Stage::Reduce);
+        self.recorder.add(Kernel::Pack, params, &[lit.into(), (&table).into(), (&target).into()])?;
+        if let Image::Texture { texture, layer } = image {
+            self.recorder.copy_image(&target, 4 * pitch, texture, *layer);
+        }
+        Ok(())
+    }
+
+    /// The visibility of every lit count, made once.
+    fn table(&mut self, samples: u32, format: VisibilityFormat) -> Result<Buffer, GpuError> {
+        if let Some(table) = self.tables.get(&(samples, format)) {
+            return Ok(table.clone());
+        }
+        let entries = format.table(samples);
+        let buffer = guarded(&self.device, "allocates a table", || {
+            self.device.create_buffer(&BufferDescriptor {
+                label: Some("umbra4 visibility table"),
+                size: size_of_val(&entries[..]) as u64,
+                usage: BufferUsages::STORAGE,
+                mapped_at_creation: true,
+            })
+        })?;
+        let lost = |reason: String| GpuError::Lost { doing: "maps a table", reason };
+        buffer
+            .get_mapped_range_mut(..)
+            .map_err(|error| lost(error.to_string()))?
+            .copy_from_slice(bytemuck::cast_slice(&entries));
+        buffer.unmap();
+        self.tables.insert((samples, format), buffer.clone());
+        Ok(buffer)
+    }
+}
+
+/// A frame, checked.
+struct Checked {
+    meshes: Vec<CheckedMesh>,
+    vertices: u32,
+    triangles: u32,
+    view: CheckedView,
+    receivers: u32,
+    lights: Vec<CheckedLight>,
+}
+
+struct CheckedLight {
+    light: LatticeLight,
+    format: Option<VisibilityFormat>,
+}
+
+impl CheckedLight {
+    fn new(
+        lattice: &Lattice,
+        index: usize,
+        light: &Light<'_>,
+        view: &CheckedView,
+        pixels: u32,
+    ) -> Result<Self, GpuError> {
+        let field = checks::light_field(index);
+        let snapped = light.light.snap(lattice, light.lift).map_err(|source| GpuError::Light { index, source })?;
+        let image = light.visibility.as_ref();
+        let own =
+            Self { light: snapped, format: image.map(|image| checks::image(image, view.size, &field)).transpose()? };
+        if let Some(masks) = light.masks {
+            let stride = own.layout(Precision::Exact, false).stride;
+            checks::masks(masks, u64::from(pixels), stride, &field)?;
+        }
+        Ok(own)
+    }
+
+    fn layout(&self, precision: Precision, software: bool) -> Layout {
+        Layout::new(&self.light, narrowest(&self.light), precision, false, software)
+    }
+}
+
+impl Checked {
+    fn new(device: &Device, snap: SnapParams, lattice: &Lattice, frame: &Frame<'_>) -> Result<Self, GpuError> {
+        let meshes = checks::meshes(device, snap, frame.meshes)?;
+        let view = checks::gbuffer(snap, &frame.gbuffer)?;
+        let receivers = checks::pixels(&view)?;
+        let lights = frame.lights.iter().enumerate();
+        let lights = lights
+            .map(|(index, light)| CheckedLight::new(lattice, index, light, &view, receivers))
+            .collect::<Result<_, _>>()?;
+        let end = |base: u32, count: u32| base + count;
+        let last = meshes.last();
+        Ok(Self {
+            vertices: last.map_or(0, |mesh| end(mesh.params.vertex_base, mesh.all_vertices)),
+            triangles: last.map_or(0, |mesh| end(mesh.params.triangle_base, mesh.all_triangles)),
+            meshes,
+            view,
+            receivers,
+            lights,
+        })
+    }
+
+    fn snapped(&self, buffers: &Buffers) -> Snapped {
+        Snapped {
+            vertices: buffers.vertices.clone(),
+            vertex_count: self.vertices,
+            triangles: buffers.triangles.clone(),
+            triangle_count: self.triangles,
+            receivers: buffers.receivers.clone(),
+            receiver_count: self.receivers,
+            lights: self.lights.iter().map(|own| own.light).collect(),
+        }
+    }
+}
+
+/// An engine's ends of a frame.
+struct Engine<'a> {
+    checked: &'a Checked,
+    status: &'a Buffer,
+    masks: Option<&'a Buffer>,
+    stride: u32,
+}
+
+impl Ends for Engine<'_> {
+    fn snap_vertices(&mut self, recorder: &mut Recorder, buffers: &Buffers) -> Result<(), GpuError> {
+        let snapped = Resource::from(&buffers.vertices);
+        let triangles = Resource::from(&buffers.triangles);
+        let status = Resource::from(self.status);
+        for mesh in &self.checked.meshes {
+            let vertices = mesh.vertices.clone();
+            let by_vertex = MeshParams { count: mesh.all_vertices, ..mesh.params };
+            let by_triangle = MeshParams { count: mesh.all_triangles, ..mesh.params };
+            match mesh.instances.clone() {
+                None => recorder.add(Kernel::SnapVertices, by_vertex, &[vertices, snapped.clone(), status.clone()])?,
+                Some(instances) => recorder.add(
+                    Kernel::SnapInstances,
+                    by_vertex,
+                    &[vertices, instances, snapped.clone(), status.clone()],
+                )?,
+            }
+            match mesh.indices.clone() {
+                None => recorder.add(Kernel::NumberTriangles, by_triangle, &[triangles.clone()])?,
+                Some(indices) => {
+                    recorder.add(Kernel::IndexTriangles, by_triangle, &[indices, triangles.clone(), status.clone()])?
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn snap_receivers(
+        &mut self,
+        recorder: &mut Recorder,
+        buffers: &Buffers,
+        first: u32,
+        count: u32,
+    ) -> Result<(), GpuError> {
+        let view = &self.checked.view;
+        let kernel = match (view.depths, view.multisampled) {
+            (false, false) => Kernel::SnapPositions,
+            (false, true) => Kernel::SnapPositionSamples,
+            (true, false) => Kernel::SnapDepths,
+            (true, true) => Kernel::SnapDepthSamples,
+        };
+        let params = umbra4_core::gbuffer::ViewParams { first, count, ..view.params };
+        let bound = [view.surface.clone(), view.normals.clone(), (&buffers.receivers).into(), self.status.into()];
+        recorder.add(kernel, params, &bound)
+    }
+
+    fn block(&mut self, recorder: &mut Recorder, buffers: &Buffers, first: u32, count: u32) -> Result<(), GpuError> {
+        if let Some(masks) = self.masks {
+            let bytes = |pixels: u32| 4 * u64::from(pixels) * u64::from(self.stride);
+            recorder.copy(&buffers.masks, masks, bytes(first), bytes(count));
+        }
+        Ok(())
+    }
+}

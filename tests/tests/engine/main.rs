@@ -1,0 +1,46 @@
+//! Frames recorded into an engine's encoder: what they put on the lattice, what they shadow, and what they refuse.
+//! `UMBRA4_GPU` says which adapter must be there, see [`umbra4_tests::gpu::required`].
+
+mod fixture;
+mod frames;
+mod refusals;
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use umbra4_tests::gpu::required;
+use umbra4_wgpu::Gpu;
+
+type Check = fn(&Gpu);
+
+const CHECKS: [(&str, Check); 9] = [
+    ("a_frame_is_exact", frames::a_frame_is_exact),
+    ("what_cannot_be_used_is_counted", frames::what_cannot_be_used_is_counted),
+    ("every_encoding_of_normals", frames::every_encoding_of_normals),
+    ("frames_grow_and_shrink", frames::frames_grow_and_shrink),
+    ("two_frames_in_one_submission", frames::two_frames_in_one_submission),
+    ("no_allocation_once_frames_repeat", frames::no_allocation_once_frames_repeat),
+    ("a_frame_without_triangles_is_lit", frames::a_frame_without_triangles_is_lit),
+    ("depths_are_unprojected", frames::depths_are_unprojected),
+    ("what_is_refused_is_named", refusals::what_is_refused_is_named),
+];
+
+fn main() {
+    let arguments = Arguments::from_args();
+    let gpu = required();
+    match &gpu {
+        Ok(Some(gpu)) => println!("tested on: {}", gpu.name),
+        Ok(None) => println!("SKIPPED: there is no adapter, and UMBRA4_GPU asks for none"),
+        // Every test fails.
+        Err(error) => println!("{error}"),
+    }
+    let missing = matches!(gpu, Ok(None));
+    let trials = CHECKS.map(|(name, check)| {
+        let gpu = gpu.clone();
+        let trial = Trial::test(name, move || {
+            let gpu = gpu.map_err(|error| Failed::from(error.to_string()))?.ok_or("there is no adapter")?;
+            check(&gpu);
+            Ok(())
+        });
+        trial.with_ignored_flag(missing)
+    });
+    libtest_mimic::run(&arguments, trials.into()).exit();
+}

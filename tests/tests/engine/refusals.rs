@@ -1,0 +1,173 @@
+//! Bad input: refused before anything is recorded, with the field and its value.
+
+use umbra4_core::{
+    AreaLight, Bounds, Lift,
+    gbuffer::NormalEncoding,
+    glam::{DMat4, DVec3},
+};
+use umbra4_tests::device::{buffer, texture};
+use umbra4_wgpu::{
+    Frame, Gpu, Image, Indices, Instances, Light, SoftShadows, Surface, VisibilityFormat,
+    wgpu::{
+        BufferDescriptor, BufferUsages, CommandEncoderDescriptor, IndexFormat, TextureFormat, TextureUsages,
+        TextureViewDescriptor,
+    },
+};
+
+use crate::fixture::{SIZE, Wish, World, bounds, light};
+
+/// Changes one thing of a sound frame, and wants the error to name it.
+fn refused(gpu: &Gpu, world: &World, names: &str, change: impl FnOnce(&mut Frame<'_>, &mut dyn FnMut(&Frame<'_>))) {
+    let usage = TextureUsages::COPY_DST | TextureUsages::COPY_SRC;
+    let target = texture(gpu, [SIZE[0], SIZE[1], 1], TextureFormat::R8Unorm, usage);
+    let lights = [Light {
+        light: light(4, 4, -1.0),
+        lift: Lift::NONE,
+        visibility: Some(Image::Texture { texture: &target, layer: 0 }),
+        masks: None,
+    }];
+    let meshes = world.meshes();
+    let mut frame = Frame { bounds: bounds(), meshes: &meshes, gbuffer: world.gbuffer(), lights: &lights };
+    let mut asked = false;
+    change(&mut frame, &mut |frame| {
+        asked = true;
+        let mut shadows = SoftShadows::new(&gpu.device).expect("the device can be used");
+        let mut encoder = gpu.device.create_command_encoder(&CommandEncoderDescriptor::default());
+        let error = shadows.record(&mut encoder, frame).expect_err(names).to_string();
+        assert!(error.contains(names), "{error:?} does not name {names:?}");
+        // Nothing was recorded that wgpu would refuse.
+        gpu.queue.submit([encoder.finish()]);
+    });
+    assert!(asked);
+}
+
+pub fn what_is_refused_is_named(gpu: &Gpu) {
+    let world = World::new(gpu, 1, Wish { triangles: 16, bad: 0, encoding: NormalEncoding::Signed });
+    let meshes = world.meshes();
+    let useless = buffer(gpu, &[0; 4096], BufferUsages::VERTEX);
+    let short = buffer(gpu, &[0; 24], BufferUsages::STORAGE);
+
+    let vertices = [
+        ("meshes[0].vertices.stride is 10", 0, 10, 300, None),
+        ("meshes[0].vertices.stride is 8", 0, 8, 300, None),
+        ("meshes[0].vertices.offset is 2", 2, 12, 2, Some(&short)),
+        ("meshes[0].vertices.buffer is 24 bytes long", 0, 12, 3, Some(&short)),
+        ("meshes[0].vertices.buffer is 24 bytes long", u64::MAX - 3, 12, 3, Some(&short)),
+        ("meshes[0].vertices.buffer is BufferUsages(", 0, 12, 3, Some(&useless)),
+    ];
+    for (names, offset, stride, count, other) in vertices {
+        refused(gpu, &world, names, |frame, ask| {
+            let mut mesh = meshes[0];
+            (mesh.vertices.offset, mesh.vertices.stride, mesh.vertices.count) = (offset, stride, count);
+            mesh.vertices.buffer = other.unwrap_or(mesh.vertices.buffer);
+            ask(&Frame { meshes: &[mesh], ..*frame });
+        });
+    }
+    refused(gpu, &world, "meshes[1].vertices.count is 4", |frame, ask| {
+        let mut own = meshes.clone();
+        own[1].vertices.count = 4;
+        ask(&Frame { meshes: &own, ..*frame });
+    });
+    let indices = |buffer, count| Indices { buffer, format: IndexFormat::Uint16, first: 0, count, base_vertex: 0 };
+    for (names, count, buffer) in [
+        ("meshes[0].indices.count is 7", 7, &short),
+        ("meshes[0].indices.buffer is 24 bytes long", 15, &short),
+        ("meshes[0].indices.buffer is BufferUsages(", 3, &useless),
+    ] {
+        refused(gpu, &world, names, |frame, ask| {
+            let mesh = umbra4_wgpu::Mesh { indices: Some(indices(buffer, count)), ..meshes[0] };
+            ask(&Frame { meshes: &[mesh], ..*frame });
+        });
+    }
+    for (names, stride) in
+        [("meshes[0].instances.stride is 48", 48), ("meshes[0].instances.buffer is 24 bytes long", 64)]
+    {
+        refused(gpu, &world, names, |frame, ask| {
+            let instances = Some(Instances { buffer: &short, offset: 0, stride, count: 1 });
+            let mesh = umbra4_wgpu::Mesh { instances, ..meshes[0] };
+            ask(&Frame { meshes: &[mesh], ..*frame });
+        });
+    }
+
+    let view = |size: [u32; 2], format, usage| {
+        texture(gpu, [size[0], size[1], 1], format, usage).create_view(&TextureViewDescriptor::default())
+    };
+    let narrow = view([SIZE[0] - 1, SIZE[1]], TextureFormat::Rgba32Float, TextureUsages::TEXTURE_BINDING);
+    let integers = view(SIZE, TextureFormat::Rgba32Uint, TextureUsages::TEXTURE_BINDING);
+    let unbound = view(SIZE, TextureFormat::Rgba32Float, TextureUsages::COPY_DST);
+    for (names, normals) in [
+        ("gbuffer.normals is [36, 11, 1] (width, height, samples)", &narrow),
+        ("gbuffer.normals.format is Rgba32Uint", &integers),
+        ("gbuffer.normals.usage is TextureUsages(COPY_DST)", &unbound),
+    ] {
+        refused(gpu, &world, names, |frame, ask| {
+            let mut gbuffer = frame.gbuffer;
+            gbuffer.normals = normals;
+            ask(&Frame { gbuffer, ..*frame });
+        });
+    }
+    refused(gpu, &world, "gbuffer.sample is 1", |frame, ask| {
+        let mut gbuffer = frame.gbuffer;
+        gbuffer.sample = 1;
+        ask(&Frame { gbuffer, ..*frame });
+    });
+    for (names, unproject, ulps) in [
+        ("gbuffer.surface.unproject is [", DMat4::from_diagonal(DVec3::INFINITY.extend(1.0)), 4),
+        ("gbuffer.surface.ulps is 4000000000", DMat4::IDENTITY, 4_000_000_000),
+    ] {
+        refused(gpu, &world, names, |frame, ask| {
+            let mut gbuffer = frame.gbuffer;
+            gbuffer.surface = Surface::Depths { view: gbuffer.normals, unproject, empty: 0.0, ulps };
+            ask(&Frame { gbuffer, ..*frame });
+        });
+    }
+
+    let usage = TextureUsages::COPY_DST;
+    let images = [
+        ("lights[0].visibility.format is Rg8Unorm", texture(gpu, [37, 11, 1], TextureFormat::Rg8Unorm, usage), 0),
+        ("lights[0].visibility.size is 11 × 37", texture(gpu, [11, 37, 1], TextureFormat::R8Unorm, usage), 0),
+        ("lights[0].visibility.layer is 2", texture(gpu, [37, 11, 2], TextureFormat::R8Unorm, usage), 2),
+        (
+            "lights[0].visibility.usage is TextureUsages(",
+            texture(gpu, [37, 11, 1], TextureFormat::R8Unorm, TextureUsages::TEXTURE_BINDING),
+            0,
+        ),
+    ];
+    for (names, texture, layer) in &images {
+        refused(gpu, &world, names, |frame, ask| {
+            let visibility = Some(Image::Texture { texture, layer: *layer });
+            ask(&Frame { lights: &[Light { visibility, ..frame.lights[0] }], ..*frame });
+        });
+    }
+    let format = VisibilityFormat::Float16;
+    for (names, buffer) in [
+        ("lights[0].visibility.buffer is 24 bytes long", &short),
+        ("lights[0].visibility.buffer is BufferUsages(", &useless),
+    ] {
+        refused(gpu, &world, names, |frame, ask| {
+            let visibility = Some(Image::Buffer { buffer, format });
+            ask(&Frame { lights: &[Light { visibility, ..frame.lights[0] }], ..*frame });
+        });
+    }
+    let unwritten = gpu.device.create_buffer(&BufferDescriptor {
+        label: None,
+        size: 1 << 20,
+        usage: BufferUsages::STORAGE,
+        mapped_at_creation: false,
+    });
+    for (names, masks) in
+        [("lights[0].masks is 24 bytes long", &short), ("lights[0].masks is BufferUsages(STORAGE)", &unwritten)]
+    {
+        refused(gpu, &world, names, |frame, ask| {
+            ask(&Frame { lights: &[Light { masks: Some(masks), ..frame.lights[0] }], ..*frame });
+        });
+    }
+
+    refused(gpu, &world, "bounds: bounds.min.x is NaN", |frame, ask| {
+        ask(&Frame { bounds: Bounds { min: DVec3::NAN, ..frame.bounds }, ..*frame });
+    });
+    refused(gpu, &world, "lights[1]: the light reaches outside the lattice", |frame, ask| {
+        let far = AreaLight::new(DVec3::splat(100.0), DVec3::X, DVec3::Y, 4, 4).expect("a light with area");
+        ask(&Frame { lights: &[frame.lights[0], Light { light: far, ..frame.lights[0] }], ..*frame });
+    });
+}
