@@ -122,9 +122,9 @@ pub fn from_depth(params: &ViewParams, x: u32, y: u32, depth: f32, normal: [f32;
         return Pixel::Empty;
     }
     let (position, error) = unproject(params, x, y, depth);
-    // In lattice units; a NaN fails the comparison.
+    // In lattice units.
     let error = error * params.snap.scale;
-    if !(error < MAX_ERROR) {
+    if !is_finite(error) || error >= MAX_ERROR {
         return Pixel::Refused;
     }
     receiver(params, position, decode_normal(params.normals, normal), Lift::off_by(error).steps())

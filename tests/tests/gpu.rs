@@ -1,7 +1,7 @@
-//! The executor on a GPU against the oracle, for every word width. `UMBRA4_GPU` says which adapter must be there:
-//! `hardware`, `software`, or a part of its name; without it, the best there is, and none is a visible skip.
+//! The executor on a GPU against the oracle, for every word width and both ways to load kernels. `UMBRA4_GPU` says which
+//! adapter must be there, see [`umbra4_tests::gpu::required`].
 
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use umbra4_core::PairWord;
@@ -12,64 +12,85 @@ use umbra4_tests::{
     scenes::GENERATORS,
     suite,
 };
-use umbra4_wgpu::{GpuError, Loading};
+use umbra4_wgpu::{Gpu, Loading};
 
 /// Bits compared at least: a device is slower to ask than a processor, and the software one slower still.
 const BITS: u64 = 12_000_000;
 /// Receivers of a block: fewer than most scenes have, so that blocks are tested as well.
 const BLOCK: u32 = 200;
-const WORDS: [&str; 4] = ["u16", "u32", "u64", "pair"];
+const LOADINGS: [(&str, Loading); 2] = [("checked", Loading::Checked), ("passthrough", Loading::Passthrough)];
+const WORDS: usize = 4;
 
-type Device = Arc<OnceLock<Wgpu>>;
+/// An executor, or why there is none.
+type Subject = Arc<Result<Wgpu, String>>;
 
-fn open() -> Result<Option<Wgpu>, GpuError> {
-    required()?.map(|gpu| Wgpu::new(gpu, BLOCK, Loading::Checked)).transpose()
+/// What all tests of one way to load kernels share.
+#[derive(Clone)]
+struct Shared {
+    prefix: &'static str,
+    subject: Subject,
+    ledger: Arc<Ledger>,
+    bits: u64,
 }
 
-fn trial<W: CpuWord>(word: &'static str, device: &Device, ledger: &Arc<Ledger>, bits: u64) -> Vec<Trial> {
-    let each = GENERATORS.map(|(name, _)| {
-        let (device, ledger) = (device.clone(), ledger.clone());
-        Trial::test(format!("{word}::{name}"), move || {
-            suite::property::<W>(subject(&device)?, word, name, bits, &ledger);
+impl Shared {
+    fn trials<W: CpuWord>(&self, word: &'static str) -> Vec<Trial> {
+        let name = |test: &str| format!("{}::{word}::{test}", self.prefix);
+        let mut trials = Vec::new();
+        for (test, _) in GENERATORS {
+            let shared = self.clone();
+            trials.push(Trial::test(name(test), move || {
+                suite::property::<W>(shared.there()?, word, test, shared.bits, &shared.ledger);
+                Ok(())
+            }));
+        }
+        let shared = self.clone();
+        trials.push(Trial::test(name("hard_cases"), move || {
+            suite::hard_cases::<W>(shared.there()?, word, &shared.ledger);
             Ok(())
-        })
-    });
-    let (device, ledger) = (device.clone(), ledger.clone());
-    let hard = Trial::test(format!("{word}::hard_cases"), move || {
-        suite::hard_cases::<W>(subject(&device)?, word, &ledger);
-        Ok(())
-    });
-    each.into_iter().chain([hard]).collect()
-}
+        }));
+        trials
+    }
 
-fn subject(device: &Device) -> Result<&Wgpu, Failed> {
-    device.get().ok_or_else(|| "there is no adapter".into())
+    fn there(&self) -> Result<&Wgpu, Failed> {
+        self.subject.as_ref().as_ref().map_err(|reason| Failed::from(reason.as_str()))
+    }
 }
 
 fn main() {
     let arguments = Arguments::from_args();
-    let device = Device::default();
-    let mut missing = false;
-    match open() {
-        Ok(Some(wgpu)) => {
-            println!("tested on: {}", suite::Subject::name(&wgpu));
-            let _ = device.set(wgpu);
-        }
-        Ok(None) => {
-            println!("SKIPPED: there is no adapter, and UMBRA4_GPU asks for none");
-            missing = true;
-        }
+    let gpu = required();
+    match &gpu {
+        Ok(Some(gpu)) => println!("tested on: {}", gpu.name),
+        Ok(None) => println!("SKIPPED: there is no adapter, and UMBRA4_GPU asks for none"),
         // Every test fails.
         Err(error) => println!("{error}"),
     }
-    let tests = WORDS.len() * (GENERATORS.len() + 1);
-    let ledger = Arc::new(Ledger::new(tests, BITS));
-    let bits = BITS.div_ceil((WORDS.len() * GENERATORS.len()) as u64);
+    let missing = matches!(gpu, Ok(None));
+    let gpu: Result<Gpu, String> =
+        gpu.map_err(|error| error.to_string()).and_then(|gpu| gpu.ok_or_else(|| "there is no adapter".to_owned()));
     let mut trials = Vec::new();
-    trials.extend(trial::<u16>("u16", &device, &ledger, bits));
-    trials.extend(trial::<u32>("u32", &device, &ledger, bits));
-    trials.extend(trial::<u64>("u64", &device, &ledger, bits));
-    trials.extend(trial::<PairWord>("pair", &device, &ledger, bits));
-    let trials = trials.into_iter().map(|trial| trial.with_ignored_flag(missing)).collect();
+    for (prefix, loading) in LOADINGS {
+        let subject = gpu.clone().and_then(|gpu| Wgpu::new(gpu, BLOCK, loading).map_err(|error| error.to_string()));
+        // Not every device loads kernels as they are; a software driver on Vulkan does.
+        let unable = loading == Loading::Passthrough && subject.is_err() && gpu.as_ref().is_ok_and(|gpu| !gpu.software);
+        if let (true, Err(reason)) = (unable, &subject) {
+            println!("SKIPPED: {prefix}: {reason}");
+        }
+        let tests = WORDS * (GENERATORS.len() + 1);
+        let shared = Shared {
+            prefix,
+            subject: Arc::new(subject),
+            ledger: Arc::new(Ledger::new(tests, BITS)),
+            bits: BITS.div_ceil((WORDS * GENERATORS.len()) as u64),
+        };
+        let own = [
+            shared.trials::<u16>("u16"),
+            shared.trials::<u32>("u32"),
+            shared.trials::<u64>("u64"),
+            shared.trials::<PairWord>("pair"),
+        ];
+        trials.extend(own.into_iter().flatten().map(|trial| trial.with_ignored_flag(missing || unable)));
+    }
     libtest_mimic::run(&arguments, trials).exit();
 }

@@ -1,9 +1,14 @@
 //! Frames recorded into an engine's encoder: what they put on the lattice, what they shadow, and what they refuse.
 //! `UMBRA4_GPU` says which adapter must be there, see [`umbra4_tests::gpu::required`].
 
+mod example;
 mod fixture;
 mod frames;
 mod refusals;
+#[path = "../../../exec-wgpu/examples/engine/renderer.rs"]
+mod renderer;
+#[path = "../../../exec-wgpu/examples/engine/scene.rs"]
+mod scene;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use umbra4_tests::gpu::required;
@@ -11,7 +16,7 @@ use umbra4_wgpu::Gpu;
 
 type Check = fn(&Gpu);
 
-const CHECKS: [(&str, Check); 9] = [
+const CHECKS: [(&str, Check); 11] = [
     ("a_frame_is_exact", frames::a_frame_is_exact),
     ("what_cannot_be_used_is_counted", frames::what_cannot_be_used_is_counted),
     ("every_encoding_of_normals", frames::every_encoding_of_normals),
@@ -20,6 +25,8 @@ const CHECKS: [(&str, Check); 9] = [
     ("no_allocation_once_frames_repeat", frames::no_allocation_once_frames_repeat),
     ("a_frame_without_triangles_is_lit", frames::a_frame_without_triangles_is_lit),
     ("depths_are_unprojected", frames::depths_are_unprojected),
+    ("the_example_engine_has_the_shadows_of_the_cpu", example::the_example_engine_has_the_shadows_of_the_cpu),
+    ("the_example_engine_can_be_resized", example::the_example_engine_can_be_resized),
     ("what_is_refused_is_named", refusals::what_is_refused_is_named),
 ];
 
