@@ -386,7 +386,7 @@ impl Ends for Engine<'_> {
                 )?,
             }
             match mesh.indices.clone() {
-                None => recorder.add(Kernel::NumberTriangles, by_triangle, &[triangles.clone()])?,
+                None => recorder.add(Kernel::NumberTriangles, by_triangle, std::slice::from_ref(&triangles))?,
                 Some(indices) => {
                     recorder.add(Kernel::IndexTriangles, by_triangle, &[indices, triangles.clone(), status.clone()])?
                 }
