@@ -88,6 +88,18 @@ const fn multiply(a: u32, b: u32) -> (u32, u32) {
 }
 
 impl Limbs {
+    /// From its limbs, least significant first.
+    #[inline(always)]
+    pub const fn from_words([low, mid, high]: [u32; 3]) -> Self {
+        Self { low, mid, high }
+    }
+
+    /// Its limbs, least significant first.
+    #[inline(always)]
+    pub const fn words(self) -> [u32; 3] {
+        [self.low, self.mid, self.high]
+    }
+
     #[inline(always)]
     fn negate(self) -> Self {
         Self::ZERO.minus(self)

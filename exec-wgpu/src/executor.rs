@@ -17,7 +17,7 @@ use crate::{
     host::{Asked, Host, Results},
     recorder::Recorder,
     scratch::Scratch,
-    stages::{BLOCK, Buffers, Layout, Stages, narrowest},
+    stages::{BLOCK, Buffers, Stages, block, mask_layout, narrowest},
     timing::Timing,
 };
 
@@ -186,14 +186,14 @@ impl WgpuExecutor {
             }
         }
         let Gpu { device, software, .. } = &self.gpu;
-        let layout = Layout::new(light, bits, self.precision, asked.counts, *software);
+        let layout = mask_layout(light, bits, self.precision, asked.counts, *software);
         let plan = Plan::new(SceneFacts {
             new_vertices: 0,
             triangles: scene.triangles.len() as u32,
             receivers: receivers.len() as u32,
             world_receivers: false,
             visibility: asked.visibility,
-            block: layout.block(self.block),
+            block: block(&layout, self.block),
             index: IndexKind::Hierarchy,
         });
         let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);

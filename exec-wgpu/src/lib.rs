@@ -17,7 +17,6 @@ mod recorder;
 mod scene;
 mod scratch;
 mod shadows;
-mod sort;
 mod stages;
 mod statistics;
 mod timing;

@@ -40,6 +40,7 @@ modules! {
     SnapPositionSamples: "snap_position_samples",
     SnapDepths: "snap_depths",
     SnapDepthSamples: "snap_depth_samples",
+    Probe: "probe",
 }
 
 /// The manifest of the modules, JSON: compiler, hash of the sources, and of each module its bindings and hash.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use umbra4_core::{
     IndexKind, Lattice, LatticeLight, Plan, Precision, SceneFacts,
     glam::IVec3,
-    kernel::{Kernel, status::Status},
+    kernel::{Kernel, dispatch::MaskLayout, status::Status},
     mesh::MeshParams,
     params::{Params, PassParams},
     snap::SnapParams,
@@ -25,7 +25,7 @@ use crate::{
     readback::{copy, read},
     recorder::{Recorder, Resource},
     scratch::Scratch,
-    stages::{BLOCK, Buffers, Ends, Layout, Stages, narrowest},
+    stages::{BLOCK, Buffers, Ends, Stages, block, mask_layout, narrowest},
     timing::{Timing, seconds},
 };
 
@@ -216,7 +216,7 @@ impl SoftShadows {
                 receivers: checked.receivers,
                 world_receivers: first,
                 visibility: light.visibility.is_some(),
-                block: layout.block(BLOCK),
+                block: block(&layout, BLOCK),
                 index: IndexKind::Hierarchy,
             });
             first = false;
@@ -321,8 +321,8 @@ impl CheckedLight {
         Ok(own)
     }
 
-    fn layout(&self, precision: Precision, software: bool) -> Layout {
-        Layout::new(&self.light, narrowest(&self.light), precision, false, software)
+    fn layout(&self, precision: Precision, software: bool) -> MaskLayout {
+        mask_layout(&self.light, narrowest(&self.light), precision, false, software)
     }
 }
 

@@ -4,15 +4,15 @@ use umbra4_core::{
     Executor, LatticeLight, Pass, Plan,
     edge_plane::LightGrid,
     glam::IVec3,
-    hierarchy::Levels,
     kernel::{
         Kernel,
+        dispatch::{self, MaskLayout, Role, dispatches},
         resolve::{ReceiverCounts, stride},
     },
     order::CodeFrame,
-    params::{Params, PassParams},
+    params::Params,
     precision::Precision,
-    proj4::{KeyTile, NODE},
+    proj4::KeyTile,
     stage::Stage,
 };
 use wgpu::{Buffer, Device};
@@ -21,7 +21,6 @@ use crate::{
     GpuError,
     recorder::{Recorder, Resource},
     scratch::Scratch,
-    sort,
 };
 
 /// Bytes that the masks of a block take, at most.
@@ -31,32 +30,25 @@ pub(crate) const BLOCK: u32 = 1 << 20;
 /// Triangles that a dispatch of a software driver looks at: lavapipe ends loops after 65,535 rounds.
 const SOFTWARE_SLICE: u32 = 256;
 
-/// How masks are computed and stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Layout {
-    pub(crate) resolve: Kernel,
-    /// Words of 32 bits that a receiver's mask takes.
-    pub(crate) stride: u32,
-    pub(crate) counted: bool,
-    /// Triangles that a dispatch looks at, at most.
-    pub(crate) slice: u32,
+/// How masks with rows in words of `bits` bits are computed and stored.
+pub(crate) fn mask_layout(
+    light: &LatticeLight,
+    bits: u32,
+    precision: Precision,
+    counted: bool,
+    software: bool,
+) -> MaskLayout {
+    MaskLayout {
+        resolve: resolve_kernel(bits, precision, counted),
+        stride: stride(light.rows, bits),
+        counted,
+        slice: if software { SOFTWARE_SLICE } else { u32::MAX },
+    }
 }
 
-impl Layout {
-    /// For rows in words of `bits` bits.
-    pub(crate) fn new(light: &LatticeLight, bits: u32, precision: Precision, counted: bool, software: bool) -> Self {
-        Self {
-            resolve: resolve_kernel(bits, precision, counted),
-            stride: stride(light.rows, bits),
-            counted,
-            slice: if software { SOFTWARE_SLICE } else { u32::MAX },
-        }
-    }
-
-    /// Receivers of a block: at most `most`, and no more than the memory for masks holds.
-    pub(crate) fn block(&self, most: u32) -> u32 {
-        most.min((MASK_BYTES / (4 * u64::from(self.stride))) as u32)
-    }
+/// Receivers of a block: at most `most`, and no more than the memory for masks holds.
+pub(crate) fn block(layout: &MaskLayout, most: u32) -> u32 {
+    most.min((MASK_BYTES / (4 * u64::from(layout.stride))) as u32)
 }
 
 /// Bits of the narrowest word that holds a row.
@@ -79,16 +71,6 @@ const fn resolve_kernel(bits: u32, precision: Precision, counted: bool) -> Kerne
         (_, Precision::Fast, false) => Kernel::Resolve64Fast,
         (_, Precision::Fast, true) => Kernel::Resolve64FastCounted,
     }
-}
-
-/// The highest level whose nodes stand for no more than `slice` triangles.
-fn slice_level(levels: &Levels, slice: u32) -> usize {
-    let (mut level, mut triangles) = (0, NODE as u64);
-    while level + 1 < levels.count() && triangles * NODE as u64 <= u64::from(slice) {
-        level += 1;
-        triangles *= NODE as u64;
-    }
-    level
 }
 
 /// What stages read and write.
@@ -116,7 +98,7 @@ impl Buffers {
         scratch: &mut Scratch,
         device: &Device,
         plan: &Plan,
-        layout: &Layout,
+        layout: &MaskLayout,
         vertices: u32,
     ) -> Result<Self, GpuError> {
         let facts = plan.facts();
@@ -137,11 +119,33 @@ impl Buffers {
             receiver_keys: fit.of::<[f32; 5]>("keys of receivers", u64::from(block))?,
             receiver_order: fit.of::<[u32; 2]>("order of receivers", u64::from(block))?,
             spare_order: fit.of::<[u32; 2]>("order", u64::from(sorted))?,
-            counters: fit.of::<u32>("counters", sort::counters(sorted))?,
+            counters: fit.of::<u32>("counters", dispatch::counters(sorted))?,
             masks: fit.of::<u32>("masks", masks)?,
             counts: if layout.counted { Some(fit.of::<ReceiverCounts>("counts", u64::from(block))?) } else { None },
             lit: if facts.visibility { Some(fit.of::<u32>("lit counts", receivers)?) } else { None },
         })
+    }
+}
+
+impl Buffers {
+    fn of(&self, role: Role) -> &Buffer {
+        match role {
+            Role::Vertices => &self.vertices,
+            Role::Triangles => &self.triangles,
+            Role::TriangleKeys => &self.triangle_keys,
+            Role::TriangleOrder => &self.triangle_order,
+            Role::SpareOrder => &self.spare_order,
+            Role::Counters => &self.counters,
+            Role::Occluders => &self.occluders,
+            Role::Nodes => &self.nodes,
+            Role::Receivers => &self.receivers,
+            Role::ReceiverKeys => &self.receiver_keys,
+            Role::ReceiverOrder => &self.receiver_order,
+            Role::Masks => &self.masks,
+            // Dispatches name these two only where they are asked for.
+            Role::Counts => self.counts.as_ref().unwrap_or(&self.masks),
+            Role::LitCounts => self.lit.as_ref().unwrap_or(&self.masks),
+        }
     }
 }
 
@@ -175,7 +179,7 @@ pub(crate) trait Ends {
 /// An executor for one light and one set of receivers.
 pub(crate) struct Stages<'a, E> {
     plan: &'a Plan,
-    layout: Layout,
+    layout: MaskLayout,
     params: Params,
     recorder: &'a mut Recorder,
     buffers: &'a Buffers,
@@ -186,7 +190,7 @@ impl<'a, E: Ends> Stages<'a, E> {
     /// `bounds`: of all triangles and receivers, lattice. They decide the order of things, never a bit.
     pub(crate) fn new(
         plan: &'a Plan,
-        layout: Layout,
+        layout: MaskLayout,
         light: &LatticeLight,
         bounds: [IVec3; 2],
         recorder: &'a mut Recorder,
@@ -205,113 +209,29 @@ impl<'a, E: Ends> Stages<'a, E> {
         Ok(self.ends)
     }
 
-    fn add(&mut self, kernel: Kernel, pass: PassParams, bound: &[&Buffer]) -> Result<(), GpuError> {
-        add(self.recorder, kernel, self.params.with_pass(&pass), bound)
-    }
-
-    fn sort(&mut self, count: u32, order: &Buffer) -> Result<(), GpuError> {
-        let b = self.buffers;
-        let params = self.params;
-        let mut record =
-            |kernel, pass: PassParams, bound: &[&Buffer]| add(self.recorder, kernel, params.with_pass(&pass), bound);
-        sort::sort(&mut record, count, order, &b.spare_order, &b.counters)
-    }
-
-    fn order_triangles(&mut self, count: u32) -> Result<(), GpuError> {
-        let b = self.buffers;
-        self.sort(count, &b.triangle_order)?;
-        // Places beyond the last triangle are written too, up to the end of its node.
-        let places = count.div_ceil(NODE as u32) * NODE as u32;
-        let pass = PassParams { count: places, elements: count, ..PassParams::default() };
-        let bound = [&b.vertices, &b.triangles, &b.triangle_keys, &b.triangle_order, &b.occluders, &b.nodes];
-        self.add(Kernel::OrderTriangles, pass, &bound)
-    }
-
-    fn build_level(&mut self, level: usize) -> Result<(), GpuError> {
-        let levels = self.plan.levels();
-        let (own, below) = (levels.range(level), levels.range(level.saturating_sub(1)));
-        let pass = PassParams {
-            count: (own.len() * NODE) as u32,
-            first: own.start as u32,
-            base: below.start as u32,
-            elements: below.len() as u32,
-            ..PassParams::default()
-        };
-        self.add(Kernel::BuildLevel, pass, &[&self.buffers.nodes])
-    }
-
-    /// Receivers of the block that begins at `first`.
-    fn block(&self, first: u32) -> u32 {
-        let facts = self.plan.facts();
-        facts.block.min(facts.receivers - first)
-    }
-
-    fn resolve(&mut self, first: u32) -> Result<(), GpuError> {
-        let b = self.buffers;
-        let count = self.block(first);
-        let pass = PassParams { count, first, stride: self.layout.stride, ..PassParams::default() };
-        let all = [&b.receivers, &b.receiver_keys, &b.receiver_order, &b.occluders, &b.nodes, &b.masks];
-        let mut counted = [&b.masks; 7];
-        let bound = match &b.counts {
-            Some(counts) => {
-                counted[..6].copy_from_slice(&all);
-                counted[6] = counts;
-                &counted[..]
-            }
-            None => &all[..],
-        };
-        // A slice of the triangles after the other: those under each node of one level.
-        let levels = self.plan.levels();
-        let level = slice_level(levels, self.layout.slice);
-        for base in 0..levels.range(level).len().max(1) as u32 {
-            self.add(self.layout.resolve, PassParams { level: level as u32, base, ..pass }, bound)?;
-        }
-        if self.plan.facts().visibility { Ok(()) } else { self.end_block(first) }
-    }
-
-    fn reduce(&mut self, first: u32) -> Result<(), GpuError> {
-        let b = self.buffers;
-        let pass = PassParams { count: self.block(first), first, stride: self.layout.stride, ..PassParams::default() };
-        if let Some(lit) = &b.lit {
-            self.add(Kernel::Reduce, pass, &[&b.masks, lit])?;
-        }
-        self.end_block(first)
-    }
-
+    /// The block whose first receiver is `first` has all its masks, and lit counts where they are asked for.
     fn end_block(&mut self, first: u32) -> Result<(), GpuError> {
-        self.ends.block(self.recorder, self.buffers, first, self.block(first))
+        let facts = self.plan.facts();
+        let count = facts.block.min(facts.receivers - first);
+        self.ends.block(self.recorder, self.buffers, first, count)
     }
-}
-
-pub(crate) fn add(recorder: &mut Recorder, kernel: Kernel, params: Params, bound: &[&Buffer]) -> Result<(), GpuError> {
-    let resources: Vec<Resource> = bound.iter().map(|&buffer| buffer.into()).collect();
-    recorder.add(kernel, params, &resources)
 }
 
 impl<E: Ends> Executor for Stages<'_, E> {
     type Error = GpuError;
 
     fn dispatch(&mut self, pass: &Pass) -> Result<(), GpuError> {
-        let b = self.buffers;
-        self.recorder.set_stage(pass.stage);
-        let by_id = PassParams { count: pass.count, first: pass.first, ..PassParams::default() };
+        let Self { plan, layout, params, recorder, buffers, ends } = self;
+        recorder.set_stage(pass.stage);
         match pass.stage {
-            Stage::SnapVertices => self.ends.snap_vertices(self.recorder, b),
-            Stage::SnapReceivers => self.ends.snap_receivers(self.recorder, b, pass.first, pass.count),
-            Stage::KeyTriangles => {
-                let bound = [&b.vertices, &b.triangles, &b.triangle_keys, &b.triangle_order];
-                self.add(Kernel::KeyTriangles, by_id, &bound)
-            }
-            Stage::OrderTriangles => self.order_triangles(pass.count),
-            Stage::BuildLevel => self.build_level(pass.first as usize),
-            Stage::KeyReceivers => {
-                self.add(Kernel::KeyReceivers, by_id, &[&b.receivers, &b.receiver_keys, &b.receiver_order])
-            }
-            Stage::OrderReceivers => self.sort(pass.count, &b.receiver_order),
-            Stage::Resolve => self.resolve(pass.first),
-            Stage::Reduce => self.reduce(pass.first),
-            // The hierarchy is the index.
-            Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells => Ok(()),
+            Stage::SnapVertices => ends.snap_vertices(recorder, buffers)?,
+            Stage::SnapReceivers => ends.snap_receivers(recorder, buffers, pass.first, pass.count)?,
+            _ => dispatches(plan, layout, pass, &mut |dispatch| {
+                let bound: Vec<Resource> = dispatch.roles.iter().map(|role| buffers.of(*role).into()).collect();
+                recorder.add(dispatch.kernel, params.with_pass(&dispatch.pass), &bound)
+            })?,
         }
+        let last = if plan.facts().visibility { Stage::Reduce } else { Stage::Resolve };
+        if pass.stage == last { self.end_block(pass.first) } else { Ok(()) }
     }
 }

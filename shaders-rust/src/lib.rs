@@ -302,3 +302,14 @@ macro_rules! receivers {
 
 receivers!(snap_positions, snap_depths: Texture, texel_of);
 receivers!(snap_position_samples, snap_depth_samples: Samples, sample_of);
+
+/// See `umbra4_core::kernel::probe`.
+#[spirv(compute(threads(64)))]
+pub fn probe(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &Params,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] words: &[[u32; 8]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] out: &mut [[u32; 8]],
+) {
+    kernel::probe::probe(kernel::id(thread.to_array(), params), params, words, out);
+}

@@ -10,8 +10,10 @@
 //! | [`scene`], [`scenes`], [`meshes`] | scenes in lattice integers, deterministic from a seed |
 //! | [`hard_cases`] | the named cases, each with what must hold beyond equality with the oracle |
 //! | [`gpu`], [`device`] | the executor on a GPU, for the suite; an engine's buffers and textures |
+//! | [`alone`] | one kernel alone, on a device and on the host |
 //! | [`suite`], [`ledger`] | one suite, instantiated per word width and executor, and its totals |
 
+pub mod alone;
 pub mod bigint;
 pub mod compare;
 pub mod device;

@@ -7,10 +7,13 @@
 #![allow(clippy::too_many_arguments)]
 
 pub mod build_level;
+#[cfg(not(target_arch = "spirv"))]
+pub mod dispatch;
 pub mod key_receivers;
 pub mod key_triangles;
 pub mod order_triangles;
 pub mod pack;
+pub mod probe;
 pub mod reduce;
 pub mod resolve;
 pub mod snap_receivers;

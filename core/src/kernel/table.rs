@@ -59,6 +59,8 @@ pub enum Kernel {
     SnapDepths,
     /// The same, one sample of multisampled textures.
     SnapDepthSamples,
+    /// [`super::probe`], for tests.
+    Probe,
 }
 
 /// What a kernel is told: the type of its binding 0.
@@ -130,6 +132,10 @@ pub enum Slot {
     Normals,
     /// [`super::status::Status`], counted by atomics.
     Status,
+    /// What [`super::probe`] is given, u32 × 8.
+    Probes,
+    /// What it makes of it, u32 × 8.
+    Probed,
 }
 
 /// Whether a kernel writes a buffer.
@@ -162,7 +168,7 @@ pub struct KernelInfo {
     pub kernel: Kernel,
     /// Name of its entry point.
     pub name: &'static str,
-    /// The stage that it belongs to; the sort's kernels belong to both that order.
+    /// The stage that it belongs to; the sort's kernels belong to both that order, and no stage runs the probe.
     pub stage: Stage,
     /// What it is told.
     pub params: ParamsKind,
@@ -215,7 +221,7 @@ const fn samples(slot: Slot) -> Bound {
 }
 
 /// All kernels.
-pub const TABLE: [KernelInfo; 26] = [
+pub const TABLE: [KernelInfo; 27] = [
     line(
         Kernel::KeyTriangles,
         "key_triangles",
@@ -302,6 +308,7 @@ pub const TABLE: [KernelInfo; 26] = [
         "snap_depth_samples",
         &[samples(Slot::Depths), samples(Slot::Normals), write(Slot::Receivers), write(Slot::Status)],
     ),
+    line(Kernel::Probe, "probe", Stage::Resolve, &[read(Slot::Probes), write(Slot::Probed)]),
 ];
 
 impl Kernel {

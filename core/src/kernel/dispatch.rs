@@ -1,0 +1,220 @@
+//! Which kernels a stage is, in which order, over which buffers: written once, for every executor that runs kernels.
+
+use crate::{
+    hierarchy::Levels,
+    kernel::{
+        Kernel,
+        sort::{BLOCK, CODE_BITS, DIGIT_BITS, DIGITS, level_above, runs},
+    },
+    params::PassParams,
+    plan::{Pass, Plan},
+    proj4::NODE,
+    stage::Stage,
+};
+
+/// A buffer of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[repr(u32)]
+pub enum Role {
+    /// Lattice positions of vertices.
+    Vertices,
+    /// Vertex indices of triangles.
+    Triangles,
+    /// Keys of triangles.
+    TriangleKeys,
+    /// Triangles along the curve.
+    TriangleOrder,
+    /// Triangles, or receivers of a block, while they are sorted.
+    SpareOrder,
+    /// Counters of the sort, and their sums.
+    Counters,
+    /// Triangles in order, oriented.
+    Occluders,
+    /// Nodes of all levels.
+    Nodes,
+    /// Lattice positions of receivers.
+    Receivers,
+    /// Keys of a block's receivers.
+    ReceiverKeys,
+    /// A block's receivers along the curve.
+    ReceiverOrder,
+    /// Masks of a block.
+    Masks,
+    /// Counts of a block.
+    Counts,
+    /// Lit samples of all receivers.
+    LitCounts,
+}
+
+/// One kernel to be run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dispatch<'a> {
+    /// The kernel.
+    pub kernel: Kernel,
+    /// What it is told.
+    pub pass: PassParams,
+    /// What it is bound to, in the order of its bindings.
+    pub roles: &'a [Role],
+}
+
+/// How masks are computed and stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MaskLayout {
+    /// Kernel of stage resolve.
+    pub resolve: Kernel,
+    /// Words of 32 bits that a receiver's mask takes.
+    pub stride: u32,
+    /// Whether the kernel counts.
+    pub counted: bool,
+    /// Triangles that a dispatch looks at, at most: some drivers stop threads that run for long.
+    pub slice: u32,
+}
+
+const SORT_PASSES: u32 = CODE_BITS.div_ceil(DIGIT_BITS);
+/// Most levels of sums.
+const SUM_LEVELS: usize = 6;
+
+const RESOLVE: [Role; 7] =
+    [Role::Receivers, Role::ReceiverKeys, Role::ReceiverOrder, Role::Occluders, Role::Nodes, Role::Masks, Role::Counts];
+
+/// Hands the dispatches of a pass to `record`, in order.
+///
+/// # Errors
+/// The first of `record`'s.
+pub fn dispatches<E>(
+    plan: &Plan,
+    layout: &MaskLayout,
+    pass: &Pass,
+    record: &mut impl FnMut(&Dispatch<'_>) -> Result<(), E>,
+) -> Result<(), E> {
+    let facts = plan.facts();
+    let mut one = |kernel, pass, roles: &[Role]| record(&Dispatch { kernel, pass, roles });
+    let by_id = PassParams { count: pass.count, first: pass.first, ..PassParams::default() };
+    // Passes of stages whose ids are groups name their first receiver.
+    let block = facts.block.min(facts.receivers.saturating_sub(pass.first));
+    match pass.stage {
+        Stage::KeyTriangles => one(
+            Kernel::KeyTriangles,
+            by_id,
+            &[Role::Vertices, Role::Triangles, Role::TriangleKeys, Role::TriangleOrder],
+        ),
+        Stage::OrderTriangles => {
+            sort(pass.count, Role::TriangleOrder, &mut one)?;
+            // Places beyond the last triangle are written too, up to the end of its node.
+            let places = pass.count.div_ceil(NODE as u32) * NODE as u32;
+            let pass = PassParams { count: places, elements: pass.count, ..PassParams::default() };
+            let roles = [
+                Role::Vertices,
+                Role::Triangles,
+                Role::TriangleKeys,
+                Role::TriangleOrder,
+                Role::Occluders,
+                Role::Nodes,
+            ];
+            one(Kernel::OrderTriangles, pass, &roles)
+        }
+        Stage::BuildLevel => one(Kernel::BuildLevel, level(plan.levels(), pass.first as usize), &[Role::Nodes]),
+        Stage::KeyReceivers => {
+            one(Kernel::KeyReceivers, by_id, &[Role::Receivers, Role::ReceiverKeys, Role::ReceiverOrder])
+        }
+        Stage::OrderReceivers => sort(pass.count, Role::ReceiverOrder, &mut one),
+        Stage::Resolve => {
+            let roles = match &RESOLVE {
+                all if layout.counted => &all[..],
+                [but_counts @ .., _] => but_counts,
+            };
+            // A slice of the triangles after the other: those under each node of one level.
+            let levels = plan.levels();
+            let level = slice_level(levels, layout.slice);
+            let pass = PassParams {
+                count: block,
+                first: pass.first,
+                stride: layout.stride,
+                level: level as u32,
+                ..PassParams::default()
+            };
+            (0..levels.range(level).len().max(1) as u32)
+                .try_for_each(|base| one(layout.resolve, PassParams { base, ..pass }, roles))
+        }
+        Stage::Reduce => {
+            let pass = PassParams { count: block, first: pass.first, stride: layout.stride, ..PassParams::default() };
+            one(Kernel::Reduce, pass, &[Role::Masks, Role::LitCounts])
+        }
+        // How vertices and receivers come is the executor's; the hierarchy is the index of those that run kernels.
+        Stage::SnapVertices
+        | Stage::SnapReceivers
+        | Stage::DefineFrame
+        | Stage::BinReceivers
+        | Stage::BinTriangles
+        | Stage::ResolveCells => Ok(()),
+    }
+}
+
+fn level(levels: &Levels, level: usize) -> PassParams {
+    let (own, below) = (levels.range(level), levels.range(level.saturating_sub(1)));
+    PassParams {
+        count: (own.len() * NODE) as u32,
+        first: own.start as u32,
+        base: below.start as u32,
+        elements: below.len() as u32,
+        ..PassParams::default()
+    }
+}
+
+/// The highest level whose nodes stand for no more than `slice` triangles.
+fn slice_level(levels: &Levels, slice: u32) -> usize {
+    let (mut level, mut triangles) = (0, NODE as u64);
+    while level + 1 < levels.count() && triangles * NODE as u64 <= u64::from(slice) {
+        level += 1;
+        triangles *= NODE as u64;
+    }
+    level
+}
+
+/// Lengths of the levels of sums over the counters of `entries` entries, and where each starts; the counters first.
+fn sums(entries: u32) -> impl DoubleEndedIterator<Item = (u32, u32)> {
+    let mut levels = [(0, 0); SUM_LEVELS];
+    let (mut length, mut base) = (runs(entries).saturating_mul(DIGITS as u32), 0_u32);
+    for level in &mut levels {
+        *level = (length, base);
+        base = base.saturating_add(length);
+        length = level_above(length);
+    }
+    levels.into_iter().filter(|(length, _)| *length > 0)
+}
+
+/// Counters that sorting `entries` entries takes, with their sums.
+pub fn counters(entries: u32) -> u64 {
+    sums(entries).map(|(length, _)| u64::from(length)).sum()
+}
+
+/// Sorts `count` entries. An even number of digits: the result is where they were.
+fn sort<E>(
+    count: u32,
+    order: Role,
+    one: &mut impl FnMut(Kernel, PassParams, &[Role]) -> Result<(), E>,
+) -> Result<(), E> {
+    const { assert!(SORT_PASSES.is_multiple_of(2)) }
+    let (mut from, mut to) = (order, Role::SpareOrder);
+    for digit in 0..SORT_PASSES {
+        let shift = digit * DIGIT_BITS;
+        let by_run = PassParams { count: runs(count), elements: count, shift, ..PassParams::default() };
+        one(Kernel::CountDigits, by_run, &[from, Role::Counters])?;
+        let blocks = |(length, base): (u32, u32)| PassParams {
+            count: length.div_ceil(BLOCK),
+            elements: length,
+            base,
+            ..PassParams::default()
+        };
+        // The sum of the last level's only block is asked by none.
+        for level in sums(count).filter(|(length, _)| level_above(*length) > 0) {
+            one(Kernel::SumBlocks, blocks(level), &[Role::Counters])?;
+        }
+        for level in sums(count).rev() {
+            one(Kernel::ScanBlocks, blocks(level), &[Role::Counters])?;
+        }
+        one(Kernel::ScatterDigits, by_run, &[Role::Counters, from, to])?;
+        (from, to) = (to, from);
+    }
+    Ok(())
+}
