@@ -6,6 +6,7 @@
 use glam::{IVec3, Vec3, Vec4};
 
 use crate::{
+    exact::{self, Wide},
     params::Dispatched,
     snap::{LIMIT, SnapParams, is_finite, snap_point},
     surface::{self, Lift},
@@ -23,6 +24,8 @@ pub struct ViewParams {
     pub row: u32,
     /// Pixels of a row of the image.
     pub width: u32,
+    /// Rows of the image.
+    pub height: u32,
     /// First pixel.
     pub first: u32,
     /// The sample of multisampled textures that is taken.
@@ -42,7 +45,7 @@ pub struct ViewParams {
     /// 2 / height
     pub pixel_height: f32,
     /// Nothing: fills the last vector of four.
-    pub padding: [u32; 3],
+    pub padding: [u32; 2],
     /// Columns of the inverse view-projection matrix: clip space, with x and y in −1..=1, y up, → world.
     pub unproject: [[f32; 4]; 4],
 }
@@ -105,19 +108,52 @@ pub enum Pixel {
     Receiver(IVec3),
 }
 
+/// Which way a receiver is lifted: an axis, and a sign; 0 where that is not known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Upwards {
+    /// 0, 1 or 2.
+    pub axis: usize,
+    /// −1, 0 or 1.
+    pub sign: i32,
+}
+
+/// By the pixel's normal.
+#[inline]
+pub fn by_normal(normal: Vec3) -> Upwards {
+    let (axis, sign) = surface::dominant_axis_f32(normal);
+    let finite = is_finite(normal.x) && is_finite(normal.y) && is_finite(normal.z);
+    Upwards { axis, sign: if finite { sign } else { 0 } }
+}
+
+/// By the lattice normal of the triangle that the pixel shows, towards the side of the pixel's normal. A triangle without a
+/// plane, or seen edge on, leaves it to the pixel's normal.
+#[inline]
+pub fn by_owner([a, b, c]: [IVec3; 3], normal: Vec3) -> Upwards {
+    let own = exact::cross::<Wide>(b - a, c - a).components();
+    let (axis, sign) = surface::dominant_axis(&own);
+    let (e, f) = (b - a, c - a);
+    let e = Vec3::new(e.x as f32, e.y as f32, e.z as f32);
+    let f = Vec3::new(f.x as f32, f.y as f32, f.z as f32);
+    let towards = e.cross(f).dot(normal);
+    if sign == 0 || !is_finite(towards) || towards == 0.0 {
+        return by_normal(normal);
+    }
+    Upwards { axis, sign: if towards > 0.0 { sign } else { -sign } }
+}
+
 /// A pixel with a stored world position; a fourth component of 0 says that there is no surface.
 #[inline]
-pub fn from_position(params: &ViewParams, position: [f32; 4], normal: [f32; 4]) -> Pixel {
+pub fn from_position(params: &ViewParams, position: [f32; 4], upwards: Upwards) -> Pixel {
     if position[3] == 0.0 {
         return Pixel::Empty;
     }
     let position = Vec3::new(position[0], position[1], position[2]);
-    receiver(params, position, decode_normal(params.normals, normal), params.lift)
+    receiver(params, position, upwards, params.lift)
 }
 
 /// A pixel with a stored depth.
 #[inline]
-pub fn from_depth(params: &ViewParams, x: u32, y: u32, depth: f32, normal: [f32; 4]) -> Pixel {
+pub fn from_depth(params: &ViewParams, x: u32, y: u32, depth: f32, upwards: Upwards) -> Pixel {
     if depth == params.empty_depth {
         return Pixel::Empty;
     }
@@ -127,24 +163,20 @@ pub fn from_depth(params: &ViewParams, x: u32, y: u32, depth: f32, normal: [f32;
     if !is_finite(error) || error >= MAX_ERROR {
         return Pixel::Refused;
     }
-    receiver(params, position, decode_normal(params.normals, normal), Lift::off_by(error).steps())
+    receiver(params, position, upwards, Lift::off_by(error).steps())
 }
 
 /// Largest error of a position for which a receiver is still a point of the lattice, lattice units.
 const MAX_ERROR: f32 = (LIMIT / 8) as f32;
 
-fn receiver(params: &ViewParams, position: Vec3, normal: Vec3, lift: i32) -> Pixel {
-    let (axis, sign) = surface::dominant_axis_f32(normal);
-    if sign == 0 || !(is_finite(normal.x) && is_finite(normal.y) && is_finite(normal.z)) {
-        return Pixel::Refused;
-    }
+fn receiver(params: &ViewParams, position: Vec3, Upwards { axis, sign }: Upwards, lift: i32) -> Pixel {
     match snap_point(&params.snap, position) {
-        Some(point) => {
+        Some(point) if sign != 0 => {
             let p = surface::lift(point, axis, sign * lift);
             let inside = |c: i32| c > -LIMIT && c < LIMIT;
             if inside(p.x) && inside(p.y) && inside(p.z) { Pixel::Receiver(p) } else { Pixel::Refused }
         }
-        None => Pixel::Refused,
+        _ => Pixel::Refused,
     }
 }
 

@@ -14,6 +14,7 @@ pub mod edge_plane;
 pub mod exact;
 pub mod frame;
 pub mod gbuffer;
+pub mod half;
 pub mod hierarchy;
 pub mod kernel;
 pub mod lanes;

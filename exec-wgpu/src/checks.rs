@@ -189,6 +189,7 @@ fn mesh_of(device: &Device, snap: SnapParams, mesh: &Mesh<'_>, field: &str) -> R
 pub(crate) struct CheckedView {
     pub(crate) surface: Resource,
     pub(crate) normals: Resource,
+    pub(crate) triangles: Option<Resource>,
     pub(crate) depths: bool,
     pub(crate) multisampled: bool,
     pub(crate) size: [u32; 2],
@@ -196,7 +197,8 @@ pub(crate) struct CheckedView {
     pub(crate) params: ViewParams,
 }
 
-fn texture(view: &TextureView, field: &str) -> Result<[u32; 3], GpuError> {
+/// Width, height and samples of a texture that can be bound; of floats, or of integers.
+fn texture(view: &TextureView, field: &str, integers: bool) -> Result<[u32; 3], GpuError> {
     let texture = view.texture();
     let usage = texture.usage();
     let usable = usage.contains(TextureUsages::TEXTURE_BINDING);
@@ -207,7 +209,12 @@ fn texture(view: &TextureView, field: &str) -> Result<[u32; 3], GpuError> {
     let kind =
         format.sample_type(Some(wgpu::TextureAspect::DepthOnly), None).or_else(|| format.sample_type(None, None));
     let float = matches!(kind, Some(TextureSampleType::Float { .. } | TextureSampleType::Depth));
-    check(float, field, "format", format!("{format:?}"), "it has to be a float, normalised or depth format")?;
+    let fits = if integers { kind == Some(TextureSampleType::Uint) } else { float };
+    let needs = match integers {
+        true => "it has to be a format of unsigned integers",
+        false => "it has to be a float, normalised or depth format",
+    };
+    check(fits, field, "format", format!("{format:?}"), needs)?;
     Ok([texture.width(), texture.height(), texture.sample_count()])
 }
 
@@ -225,11 +232,15 @@ pub(crate) fn gbuffer(snap: SnapParams, gbuffer: &GBuffer<'_>) -> Result<Checked
         Surface::Positions { view, .. } => (view, false),
         Surface::Depths { view, .. } => (view, true),
     };
-    let [width, height, samples] = texture(view, "gbuffer.surface.view")?;
-    let normals = texture(gbuffer.normals, "gbuffer.normals")?;
-    if normals != [width, height, samples] {
-        let value = format!("{normals:?} (width, height, samples)");
-        return refuse("gbuffer.normals", value, "it has to be as large as the surface, with as many samples");
+    let [width, height, samples] = texture(view, "gbuffer.surface.view", false)?;
+    let others = [("gbuffer.normals", Some(gbuffer.normals), false), ("gbuffer.triangles", gbuffer.triangles, true)];
+    for (field, view, integers) in others {
+        let Some(view) = view else { continue };
+        let size = texture(view, field, integers)?;
+        if size != [width, height, samples] {
+            let value = format!("{size:?} (width, height, samples)");
+            return refuse(field, value, "it has to be as large as the surface, with as many samples");
+        }
     }
     check(gbuffer.sample < samples, "gbuffer", "sample", gbuffer.sample, "there is no such sample")?;
     let mut params = ViewParams {
@@ -237,6 +248,7 @@ pub(crate) fn gbuffer(snap: SnapParams, gbuffer: &GBuffer<'_>) -> Result<Checked
         count: 0,
         row: 0,
         width,
+        height,
         first: 0,
         sample: gbuffer.sample,
         normals: gbuffer.encoding as u32,
@@ -246,7 +258,7 @@ pub(crate) fn gbuffer(snap: SnapParams, gbuffer: &GBuffer<'_>) -> Result<Checked
         depth_quantum: 0.0,
         pixel_width: 2.0 / width as f32,
         pixel_height: 2.0 / height as f32,
-        padding: [0; 3],
+        padding: [0; 2],
         unproject: Mat4::IDENTITY.to_cols_array_2d(),
     };
     match gbuffer.surface {
@@ -263,6 +275,7 @@ pub(crate) fn gbuffer(snap: SnapParams, gbuffer: &GBuffer<'_>) -> Result<Checked
     Ok(CheckedView {
         surface: Resource::Texture(view.clone()),
         normals: Resource::Texture(gbuffer.normals.clone()),
+        triangles: gbuffer.triangles.map(|view| Resource::Texture(view.clone())),
         depths,
         multisampled: samples > 1,
         size: [width, height],
@@ -323,7 +336,7 @@ pub(crate) fn asks(light: &Light<'_>) -> bool {
     light.visibility.is_some() || light.masks.is_some()
 }
 
-/// Pixels of a frame.
-pub(crate) fn pixels(frame: &CheckedView) -> Result<u32, GpuError> {
-    count_of("receivers", u64::from(frame.size[0]) * u64::from(frame.size[1]))
+/// Pixels of an image.
+pub(crate) fn pixels([width, height]: [u32; 2]) -> Result<u32, GpuError> {
+    count_of("receivers", u64::from(width) * u64::from(height))
 }

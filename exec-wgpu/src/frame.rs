@@ -15,8 +15,21 @@ pub struct Frame<'a> {
     pub meshes: &'a [Mesh<'a>],
     /// What is seen.
     pub gbuffer: GBuffer<'a>,
+    /// How many pixels have a receiver of their own.
+    pub resolution: Resolution,
     /// The lights, and where their shadows go.
     pub lights: &'a [Light<'a>],
+}
+
+/// How many pixels have a receiver of their own.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Resolution {
+    /// All of them: exact everywhere.
+    #[default]
+    Full,
+    /// One in each block of two by two, which is exact; the others are interpolated between those that lie near them, in the
+    /// image and in the world. Masks are those of the blocks: `width.div_ceil(2)` a row.
+    Half,
 }
 
 /// A mesh, drawn once or many times.
@@ -81,6 +94,10 @@ pub struct GBuffer<'a> {
     pub normals: &'a TextureView,
     /// How they are stored.
     pub encoding: NormalEncoding,
+    /// The triangles that are seen, in an integer format: one more than their index among all of the frame's (mesh by mesh,
+    /// instance by instance), 0 where it is none of them. Receivers are lifted along the exact normals of these then, and
+    /// `normals` only tell the side.
+    pub triangles: Option<&'a TextureView>,
     /// The sample of multisampled textures whose surface stands for the pixel. 0 for others.
     pub sample: u32,
 }

@@ -40,6 +40,12 @@ modules! {
     SnapPositionSamples: "snap_position_samples",
     SnapDepths: "snap_depths",
     SnapDepthSamples: "snap_depth_samples",
+    SnapOwnedPositions: "snap_owned_positions",
+    SnapOwnedPositionSamples: "snap_owned_position_samples",
+    SnapOwnedDepths: "snap_owned_depths",
+    SnapOwnedDepthSamples: "snap_owned_depth_samples",
+    Thin: "thin",
+    Upsample: "upsample",
     Probe: "probe",
 }
 

@@ -82,9 +82,11 @@ fn entry(binding: u32, ty: BindingType) -> BindGroupLayoutEntry {
     BindGroupLayoutEntry { binding, visibility: ShaderStages::COMPUTE, ty, count: None }
 }
 
+const FLOAT: TextureSampleType = TextureSampleType::Float { filterable: false };
+
 fn binding_type(access: Access) -> BindingType {
-    let texture = |multisampled| BindingType::Texture {
-        sample_type: TextureSampleType::Float { filterable: false },
+    let texture = |sample_type, multisampled| BindingType::Texture {
+        sample_type,
         view_dimension: TextureViewDimension::D2,
         multisampled,
     };
@@ -96,8 +98,10 @@ fn binding_type(access: Access) -> BindingType {
     match access {
         Access::Read => buffer(true),
         Access::Write => buffer(false),
-        Access::Texture => texture(false),
-        Access::Samples => texture(true),
+        Access::Texture => texture(FLOAT, false),
+        Access::Samples => texture(FLOAT, true),
+        Access::Ids => texture(TextureSampleType::Uint, false),
+        Access::IdSamples => texture(TextureSampleType::Uint, true),
     }
 }
 

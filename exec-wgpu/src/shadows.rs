@@ -4,7 +4,9 @@ use std::collections::HashMap;
 
 use umbra4_core::{
     IndexKind, Lattice, LatticeLight, Plan, Precision, SceneFacts,
+    gbuffer::ViewParams,
     glam::IVec3,
+    half::halved,
     kernel::{Kernel, dispatch::MaskLayout, status::Status},
     mesh::MeshParams,
     params::{Params, PassParams},
@@ -19,7 +21,7 @@ use crate::{
     GpuError, Loading,
     checks::{self, CheckedMesh, CheckedView},
     error::guarded,
-    frame::{Frame, Image, Light},
+    frame::{Frame, Image, Light, Resolution},
     gpu::check_limits,
     image::VisibilityFormat,
     readback::{copy, read},
@@ -39,7 +41,7 @@ const PITCH: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / 4;
 ///
 /// ```no_run
 /// use umbra4_core::{AreaLight, Bounds, Lift, gbuffer::NormalEncoding, glam::DVec3};
-/// use umbra4_wgpu::{Frame, GBuffer, Image, Light, Mesh, SoftShadows, Surface, Vertices, wgpu};
+/// use umbra4_wgpu::{Frame, GBuffer, Image, Light, Mesh, Resolution, SoftShadows, Surface, Vertices, wgpu};
 ///
 /// fn frame(
 ///     shadows: &mut SoftShadows, // SoftShadows::new(&device)?, once
@@ -61,8 +63,10 @@ const PITCH: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / 4;
 ///             surface: Surface::Positions { view: positions, lift },
 ///             normals,
 ///             encoding: NormalEncoding::Signed,
+///             triangles: None,
 ///             sample: 0,
 ///         },
+///         resolution: Resolution::Full,
 ///         lights: &[Light {
 ///             light: lamp,
 ///             lift: Lift::NONE,
@@ -97,7 +101,7 @@ pub struct Snapped {
     pub triangles: Buffer,
     /// How many there are.
     pub triangle_count: u32,
-    /// Its receivers, pixels row by row; the usage has `COPY_SRC`.
+    /// Its receivers, pixels (at [`Resolution::Half`], blocks) row by row; the usage has `COPY_SRC`.
     pub receivers: Buffer,
     /// How many there are.
     pub receiver_count: u32,
@@ -221,14 +225,44 @@ impl SoftShadows {
             });
             first = false;
             let buffers = Buffers::fit(&mut self.scratch, &self.device, &plan, &layout, checked.vertices)?;
-            let ends = Engine { checked, status: &self.status, masks: light.masks, stride: layout.stride };
+            let pixels = match checked.thinned {
+                true => Some(self.scratch.fit::<[i32; 3]>(&self.device, "pixels", u64::from(checked.pixels))?),
+                false => None,
+            };
+            let ends = Engine {
+                checked,
+                status: &self.status,
+                pixels: pixels.as_ref(),
+                masks: light.masks,
+                stride: layout.stride,
+            };
             Stages::new(&plan, layout, &own.light, bounds, &mut self.recorder, &buffers, ends).run()?;
             if let (Some(image), Some(format), Some(lit)) = (&light.visibility, own.format, &buffers.lit) {
+                let lit = match &pixels {
+                    Some(pixels) => &self.upsample(checked, pixels, &buffers.receivers, lit)?,
+                    None => lit,
+                };
                 self.pack(image, format, own.light.sample_count(), checked.view.size, lit)?;
             }
             self.snapped = Some(checked.snapped(&buffers));
         }
         Ok(())
+    }
+
+    /// Lit counts of all pixels from those of the blocks that have a receiver.
+    fn upsample(
+        &mut self,
+        checked: &Checked,
+        pixels: &Buffer,
+        receivers: &Buffer,
+        lit: &Buffer,
+    ) -> Result<Buffer, GpuError> {
+        let upsampled = self.scratch.fit::<u32>(&self.device, "upsampled", u64::from(checked.pixels))?;
+        let params = ViewParams { count: checked.pixels, ..checked.view.params };
+        let bound = [pixels.into(), receivers.into(), lit.into(), (&upsampled).into()];
+        self.recorder.set_stage(Stage::Reduce);
+        self.recorder.add(Kernel::Upsample, params, &bound)?;
+        Ok(upsampled)
     }
 
     /// Lit counts to an image.
@@ -292,6 +326,9 @@ struct Checked {
     vertices: u32,
     triangles: u32,
     view: CheckedView,
+    pixels: u32,
+    /// Whether receivers are fewer than pixels.
+    thinned: bool,
     receivers: u32,
     lights: Vec<CheckedLight>,
 }
@@ -330,7 +367,9 @@ impl Checked {
     fn new(device: &Device, snap: SnapParams, lattice: &Lattice, frame: &Frame<'_>) -> Result<Self, GpuError> {
         let meshes = checks::meshes(device, snap, frame.meshes)?;
         let view = checks::gbuffer(snap, &frame.gbuffer)?;
-        let receivers = checks::pixels(&view)?;
+        let pixels = checks::pixels(view.size)?;
+        let thinned = frame.resolution == Resolution::Half;
+        let receivers = if thinned { checks::pixels(view.size.map(halved))? } else { pixels };
         let lights = frame.lights.iter().enumerate();
         let lights = lights
             .map(|(index, light)| CheckedLight::new(lattice, index, light, &view, receivers))
@@ -342,6 +381,8 @@ impl Checked {
             triangles: last.map_or(0, |mesh| end(mesh.params.triangle_base, mesh.all_triangles)),
             meshes,
             view,
+            pixels,
+            thinned,
             receivers,
             lights,
         })
@@ -364,8 +405,44 @@ impl Checked {
 struct Engine<'a> {
     checked: &'a Checked,
     status: &'a Buffer,
+    /// Receivers of all pixels, where those that are resolved are fewer.
+    pixels: Option<&'a Buffer>,
     masks: Option<&'a Buffer>,
     stride: u32,
+}
+
+impl Engine<'_> {
+    /// Receivers of `count` pixels from `first` on.
+    fn snap_pixels(
+        &self,
+        recorder: &mut Recorder,
+        buffers: &Buffers,
+        receivers: &Buffer,
+        first: u32,
+        count: u32,
+    ) -> Result<(), GpuError> {
+        let view = &self.checked.view;
+        let kernel = match (view.depths, view.multisampled, view.triangles.is_some()) {
+            (false, false, false) => Kernel::SnapPositions,
+            (false, true, false) => Kernel::SnapPositionSamples,
+            (true, false, false) => Kernel::SnapDepths,
+            (true, true, false) => Kernel::SnapDepthSamples,
+            (false, false, true) => Kernel::SnapOwnedPositions,
+            (false, true, true) => Kernel::SnapOwnedPositionSamples,
+            (true, false, true) => Kernel::SnapOwnedDepths,
+            (true, true, true) => Kernel::SnapOwnedDepthSamples,
+        };
+        let params = ViewParams { first, count, ..view.params };
+        let (surface, normals, status) = (view.surface.clone(), view.normals.clone(), self.status.into());
+        match view.triangles.clone() {
+            None => recorder.add(kernel, params, &[surface, normals, receivers.into(), status]),
+            Some(triangles) => {
+                let (vertices, corners) = ((&buffers.vertices).into(), (&buffers.triangles).into());
+                let bound = [surface, normals, triangles, vertices, corners, receivers.into(), status];
+                recorder.add(kernel, params, &bound)
+            }
+        }
+    }
 }
 
 impl Ends for Engine<'_> {
@@ -402,16 +479,16 @@ impl Ends for Engine<'_> {
         first: u32,
         count: u32,
     ) -> Result<(), GpuError> {
-        let view = &self.checked.view;
-        let kernel = match (view.depths, view.multisampled) {
-            (false, false) => Kernel::SnapPositions,
-            (false, true) => Kernel::SnapPositionSamples,
-            (true, false) => Kernel::SnapDepths,
-            (true, true) => Kernel::SnapDepthSamples,
+        let Some(pixels) = self.pixels else {
+            return self.snap_pixels(recorder, buffers, &buffers.receivers, first, count);
         };
-        let params = umbra4_core::gbuffer::ViewParams { first, count, ..view.params };
-        let bound = [view.surface.clone(), view.normals.clone(), (&buffers.receivers).into(), self.status.into()];
-        recorder.add(kernel, params, &bound)
+        if first > 0 {
+            return Ok(());
+        }
+        // All of them at once: rows of blocks need two rows of pixels.
+        self.snap_pixels(recorder, buffers, pixels, 0, self.checked.pixels)?;
+        let params = ViewParams { count: self.checked.receivers, ..self.checked.view.params };
+        recorder.add(Kernel::Thin, params, &[pixels.into(), (&buffers.receivers).into()])
     }
 
     fn block(&mut self, recorder: &mut Recorder, buffers: &Buffers, first: u32, count: u32) -> Result<(), GpuError> {

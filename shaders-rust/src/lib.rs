@@ -15,7 +15,7 @@ use umbra4_core::{
     Exact, Fast, PairWord,
     edge_plane::Occluder,
     gbuffer::ViewParams,
-    kernel::{self, resolve::ReceiverCounts, status::Status},
+    kernel::{self, resolve::ReceiverCounts, snap_receivers, status::Status},
     mesh::MeshParams,
     order::Entry,
     params::Params,
@@ -252,6 +252,17 @@ pub fn number_triangles(
 type Texture = Image!(2D, type=f32, sampled);
 type Samples = Image!(2D, type=f32, sampled, multisampled);
 
+type Ids = Image!(2D, type=u32, sampled);
+type IdSamples = Image!(2D, type=u32, sampled, multisampled);
+
+fn id_of(image: &Ids, texel: [u32; 2], _: &ViewParams) -> u32 {
+    image.fetch(UVec2::from_array(texel)).x
+}
+
+fn id_sample_of(image: &IdSamples, texel: [u32; 2], params: &ViewParams) -> u32 {
+    image.fetch_with(UVec2::from_array(texel), sample_with::sample_index(params.sample)).x
+}
+
 fn texel_of(image: &Texture, texel: [u32; 2], _: &ViewParams) -> [f32; 4] {
     image.fetch(UVec2::from_array(texel)).to_array()
 }
@@ -273,10 +284,10 @@ macro_rules! receivers {
             #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] status: &mut Status,
         ) {
             let id = kernel::id(thread.to_array(), params);
-            if let Some(texel) = kernel::snap_receivers::texel(id, params) {
-                let (position, normal) = ($fetch(positions, texel, params), $fetch(normals, texel, params));
-                let refused = kernel::snap_receivers::snap_position(id, params, position, normal, receivers);
-                count(refused, &mut status.receivers);
+            if let Some(texel) = snap_receivers::texel(id, params) {
+                let up = snap_receivers::upwards(params, $fetch(normals, texel, params));
+                let position = $fetch(positions, texel, params);
+                count(snap_receivers::snap_position(id, params, position, up, receivers), &mut status.receivers);
             }
         }
 
@@ -291,10 +302,58 @@ macro_rules! receivers {
             #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] status: &mut Status,
         ) {
             let id = kernel::id(thread.to_array(), params);
-            if let Some(texel) = kernel::snap_receivers::texel(id, params) {
-                let (depth, normal) = ($fetch(depths, texel, params)[0], $fetch(normals, texel, params));
-                let refused = kernel::snap_receivers::snap_depth(id, params, texel, depth, normal, receivers);
-                count(refused, &mut status.receivers);
+            if let Some(texel) = snap_receivers::texel(id, params) {
+                let up = snap_receivers::upwards(params, $fetch(normals, texel, params));
+                let depth = $fetch(depths, texel, params)[0];
+                count(snap_receivers::snap_depth(id, params, texel, depth, up, receivers), &mut status.receivers);
+            }
+        }
+    };
+}
+
+macro_rules! owned_receivers {
+    ($positions:ident, $depths:ident: $image:ty, $fetch:ident, $ids:ty, $fetch_id:ident) => {
+        /// See `umbra4_core::kernel::snap_receivers`.
+        #[spirv(compute(threads(64)))]
+        pub fn $positions(
+            #[spirv(global_invocation_id)] thread: UVec3,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &ViewParams,
+            #[spirv(descriptor_set = 0, binding = 1)] positions: &$image,
+            #[spirv(descriptor_set = 0, binding = 2)] normals: &$image,
+            #[spirv(descriptor_set = 0, binding = 3)] owners: &$ids,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] vertices: &[[i32; 3]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] triangles: &[[u32; 3]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] receivers: &mut [[i32; 3]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] status: &mut Status,
+        ) {
+            let id = kernel::id(thread.to_array(), params);
+            if let Some(texel) = snap_receivers::texel(id, params) {
+                let (normal, owner) = ($fetch(normals, texel, params), $fetch_id(owners, texel, params));
+                let up = snap_receivers::upwards_of(params, normal, owner, vertices, triangles);
+                let position = $fetch(positions, texel, params);
+                count(snap_receivers::snap_position(id, params, position, up, receivers), &mut status.receivers);
+            }
+        }
+
+        /// See `umbra4_core::kernel::snap_receivers`.
+        #[spirv(compute(threads(64)))]
+        pub fn $depths(
+            #[spirv(global_invocation_id)] thread: UVec3,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &ViewParams,
+            #[spirv(descriptor_set = 0, binding = 1)] depths: &$image,
+            #[spirv(descriptor_set = 0, binding = 2)] normals: &$image,
+            #[spirv(descriptor_set = 0, binding = 3)] owners: &$ids,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] vertices: &[[i32; 3]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] triangles: &[[u32; 3]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] receivers: &mut [[i32; 3]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] status: &mut Status,
+        ) {
+            let id = kernel::id(thread.to_array(), params);
+            if let Some(texel) = snap_receivers::texel(id, params) {
+                let (normal, owner) = ($fetch(normals, texel, params), $fetch_id(owners, texel, params));
+                let up = snap_receivers::upwards_of(params, normal, owner, vertices, triangles);
+                let depth = $fetch(depths, texel, params)[0];
+                count(snap_receivers::snap_depth(id, params, texel, depth, up, receivers), &mut status.receivers);
             }
         }
     };
@@ -302,6 +361,32 @@ macro_rules! receivers {
 
 receivers!(snap_positions, snap_depths: Texture, texel_of);
 receivers!(snap_position_samples, snap_depth_samples: Samples, sample_of);
+owned_receivers!(snap_owned_positions, snap_owned_depths: Texture, texel_of, Ids, id_of);
+owned_receivers!(snap_owned_position_samples, snap_owned_depth_samples: Samples, sample_of, IdSamples, id_sample_of);
+
+/// See `umbra4_core::kernel::half`.
+#[spirv(compute(threads(64)))]
+pub fn thin(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &ViewParams,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] thinned: &mut [[i32; 3]],
+) {
+    kernel::half::thin(kernel::id(thread.to_array(), params), params, receivers, thinned);
+}
+
+/// See `umbra4_core::kernel::half`.
+#[spirv(compute(threads(64)))]
+pub fn upsample(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &ViewParams,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] thinned: &[[i32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] lit: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] upsampled: &mut [u32],
+) {
+    kernel::half::upsample(kernel::id(thread.to_array(), params), params, receivers, thinned, lit, upsampled);
+}
 
 /// See `umbra4_core::kernel::probe`.
 #[spirv(compute(threads(64)))]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use naga::{AddressSpace, ImageClass, StorageAccess, back::wgsl, front::spv, valid};
+use naga::{AddressSpace, ImageClass, ScalarKind, StorageAccess, TypeInner, back::wgsl, front::spv, valid};
 use sha2::{Digest, Sha256};
 use umbra4_core::kernel::{Access, KernelInfo, TABLE, WORKGROUP};
 use umbra4_wgpu::{code, manifest};
@@ -86,12 +86,13 @@ fn the_modules_are_bound_as_the_table_says() {
                     AddressSpace::Storage { access } if access.contains(StorageAccess::STORE) => Access::Write,
                     AddressSpace::Storage { .. } => Access::Read,
                     AddressSpace::Handle => match module.types[variable.ty].inner {
-                        naga::TypeInner::Image { class: ImageClass::Sampled { multi: false, .. }, .. } => {
-                            Access::Texture
-                        }
-                        naga::TypeInner::Image { class: ImageClass::Sampled { multi: true, .. }, .. } => {
-                            Access::Samples
-                        }
+                        TypeInner::Image { class: ImageClass::Sampled { kind, multi }, .. } => match (kind, multi) {
+                            (ScalarKind::Float, false) => Access::Texture,
+                            (ScalarKind::Float, true) => Access::Samples,
+                            (ScalarKind::Uint, false) => Access::Ids,
+                            (ScalarKind::Uint, true) => Access::IdSamples,
+                            _ => panic!("{}: a texture of {kind:?}", info.name),
+                        },
                         _ => panic!("{}: neither a buffer nor a texture", info.name),
                     },
                     _ => return None,

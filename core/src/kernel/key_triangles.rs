@@ -14,7 +14,7 @@ use crate::{
 
 /// The corners of triangle `id`; `None` where one is missing.
 #[inline(always)]
-fn corners(id: usize, vertices: &[[i32; 3]], triangles: &[[u32; 3]]) -> Option<[IVec3; 3]> {
+pub(super) fn corners(id: usize, vertices: &[[i32; 3]], triangles: &[[u32; 3]]) -> Option<[IVec3; 3]> {
     let [a, b, c] = fetch(triangles, id, [u32::MAX; 3]);
     Some([point(vertices, a as usize)?, point(vertices, b as usize)?, point(vertices, c as usize)?])
 }

@@ -9,6 +9,7 @@
 pub mod build_level;
 #[cfg(not(target_arch = "spirv"))]
 pub mod dispatch;
+pub mod half;
 pub mod key_receivers;
 pub mod key_triangles;
 pub mod order_triangles;

@@ -1,8 +1,8 @@
 //! Kernels that make receivers of a G-buffer's pixels. Their textures are read by the entry point.
 
 use crate::{
-    gbuffer::{Pixel, ViewParams, from_depth, from_position},
-    kernel::{NOWHERE, store},
+    gbuffer::{Pixel, Upwards, ViewParams, by_normal, by_owner, decode_normal, from_depth, from_position},
+    kernel::{NOWHERE, key_triangles::corners, store},
 };
 
 /// The texel of pixel `id`; `None` where there is none.
@@ -15,16 +15,38 @@ pub fn texel(id: usize, params: &ViewParams) -> Option<[u32; 2]> {
     Some([pixel % params.width, pixel / params.width])
 }
 
+/// Which way a pixel with this normal is lifted.
+#[inline(always)]
+pub fn upwards(params: &ViewParams, normal: [f32; 4]) -> Upwards {
+    by_normal(decode_normal(params.normals, normal))
+}
+
+/// The same for a pixel that shows triangle `owner − 1` of all; 0 where it shows none of them.
+#[inline(always)]
+pub fn upwards_of(
+    params: &ViewParams,
+    normal: [f32; 4],
+    owner: u32,
+    vertices: &[[i32; 3]],
+    triangles: &[[u32; 3]],
+) -> Upwards {
+    let normal = decode_normal(params.normals, normal);
+    match corners(owner.wrapping_sub(1) as usize, vertices, triangles) {
+        Some(corners) => by_owner(corners, normal),
+        None => by_normal(normal),
+    }
+}
+
 /// The receiver of pixel `id`, from a stored world position. Returns whether it is refused.
 #[inline(always)]
 pub fn snap_position(
     id: usize,
     params: &ViewParams,
     position: [f32; 4],
-    normal: [f32; 4],
+    upwards: Upwards,
     receivers: &mut [[i32; 3]],
 ) -> bool {
-    put(id, params, from_position(params, position, normal), receivers)
+    put(id, params, from_position(params, position, upwards), receivers)
 }
 
 /// The receiver of pixel `id`, from a stored depth. Returns whether it is refused.
@@ -34,10 +56,10 @@ pub fn snap_depth(
     params: &ViewParams,
     [x, y]: [u32; 2],
     depth: f32,
-    normal: [f32; 4],
+    upwards: Upwards,
     receivers: &mut [[i32; 3]],
 ) -> bool {
-    put(id, params, from_depth(params, x, y, depth, normal), receivers)
+    put(id, params, from_depth(params, x, y, depth, upwards), receivers)
 }
 
 #[inline(always)]

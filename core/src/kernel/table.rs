@@ -59,6 +59,18 @@ pub enum Kernel {
     SnapDepths,
     /// The same, one sample of multisampled textures.
     SnapDepthSamples,
+    /// [`Kernel::SnapPositions`], lifted by the normals of the triangles that are seen.
+    SnapOwnedPositions,
+    /// [`Kernel::SnapPositionSamples`], the same.
+    SnapOwnedPositionSamples,
+    /// [`Kernel::SnapDepths`], the same.
+    SnapOwnedDepths,
+    /// [`Kernel::SnapDepthSamples`], the same.
+    SnapOwnedDepthSamples,
+    /// [`super::half::thin`].
+    Thin,
+    /// [`super::half::upsample`].
+    Upsample,
     /// [`super::probe`], for tests.
     Probe,
 }
@@ -130,6 +142,10 @@ pub enum Slot {
     Depths,
     /// Normals of pixels.
     Normals,
+    /// Triangles that pixels show, one more than their index.
+    Owners,
+    /// Receivers of half pixels, i32 × 3.
+    ThinReceivers,
     /// [`super::status::Status`], counted by atomics.
     Status,
     /// What [`super::probe`] is given, u32 × 8.
@@ -150,6 +166,10 @@ pub enum Access {
     Texture,
     /// The same, multisampled.
     Samples,
+    /// A texture of integers.
+    Ids,
+    /// The same, multisampled.
+    IdSamples,
 }
 
 /// A storage buffer or texture of a kernel. The k-th has binding k + 1, in set 0; binding 0 are the parameters.
@@ -220,8 +240,25 @@ const fn samples(slot: Slot) -> Bound {
     Bound { slot, access: Access::Samples }
 }
 
+const fn owned(surface: Bound, normals: Bound, owners: Access) -> [Bound; 7] {
+    [
+        surface,
+        normals,
+        Bound { slot: Slot::Owners, access: owners },
+        read(Slot::Vertices),
+        read(Slot::Triangles),
+        write(Slot::Receivers),
+        write(Slot::Status),
+    ]
+}
+
+const OWNED_POSITIONS: &[Bound] = &owned(texture(Slot::Positions), texture(Slot::Normals), Access::Ids);
+const OWNED_POSITION_SAMPLES: &[Bound] = &owned(samples(Slot::Positions), samples(Slot::Normals), Access::IdSamples);
+const OWNED_DEPTHS: &[Bound] = &owned(texture(Slot::Depths), texture(Slot::Normals), Access::Ids);
+const OWNED_DEPTH_SAMPLES: &[Bound] = &owned(samples(Slot::Depths), samples(Slot::Normals), Access::IdSamples);
+
 /// All kernels.
-pub const TABLE: [KernelInfo; 27] = [
+pub const TABLE: [KernelInfo; 33] = [
     line(
         Kernel::KeyTriangles,
         "key_triangles",
@@ -307,6 +344,16 @@ pub const TABLE: [KernelInfo; 27] = [
         Kernel::SnapDepthSamples,
         "snap_depth_samples",
         &[samples(Slot::Depths), samples(Slot::Normals), write(Slot::Receivers), write(Slot::Status)],
+    ),
+    view(Kernel::SnapOwnedPositions, "snap_owned_positions", OWNED_POSITIONS),
+    view(Kernel::SnapOwnedPositionSamples, "snap_owned_position_samples", OWNED_POSITION_SAMPLES),
+    view(Kernel::SnapOwnedDepths, "snap_owned_depths", OWNED_DEPTHS),
+    view(Kernel::SnapOwnedDepthSamples, "snap_owned_depth_samples", OWNED_DEPTH_SAMPLES),
+    view(Kernel::Thin, "thin", &[read(Slot::Receivers), write(Slot::ThinReceivers)]),
+    view(
+        Kernel::Upsample,
+        "upsample",
+        &[read(Slot::Receivers), read(Slot::ThinReceivers), read(Slot::LitCounts), write(Slot::LitCounts)],
     ),
     line(Kernel::Probe, "probe", Stage::Resolve, &[read(Slot::Probes), write(Slot::Probed)]),
 ];

@@ -12,7 +12,7 @@ use umbra4_core::{
     },
 };
 use umbra4_wgpu::{
-    Frame, GBuffer, GpuError, Image, Indices, Instances, Light, Mesh, SoftShadows, Surface, Vertices,
+    Frame, GBuffer, GpuError, Image, Indices, Instances, Light, Mesh, Resolution, SoftShadows, Surface, Vertices,
     wgpu::{self, util::DeviceExt},
 };
 
@@ -243,8 +243,10 @@ impl Renderer {
                     surface: Surface::Depths { view: &self.targets.depths, unproject, empty: 0.0, ulps: 8 },
                     normals: &self.targets.normals,
                     encoding: NormalEncoding::Signed,
+                    triangles: None,
                     sample: 0,
                 },
+                resolution: Resolution::Full,
                 lights: &[Light {
                     light,
                     lift: Lift::NONE,

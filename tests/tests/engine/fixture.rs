@@ -11,7 +11,7 @@ use umbra4_tests::{
     rng::Rng,
 };
 use umbra4_wgpu::{
-    GBuffer, Gpu, Indices, Instances, Mesh, Surface, Vertices,
+    Frame, GBuffer, Gpu, Indices, Instances, Light, Mesh, Resolution, Surface, Vertices,
     wgpu::{Buffer, BufferUsages, IndexFormat, TextureFormat, TextureView},
 };
 
@@ -162,7 +162,7 @@ impl Maker<'_> {
                 corners[self.rng.below(3)] = self.rng.pick(&[-1, -5, i64::from(count), 60_000]);
             }
             // The index of a vertex below the base wraps round, as it does in a draw.
-            let written = corners.map(|corner| (corner - base_vertex as i64) as u32);
+            let written = corners.map(|corner| (corner - i64::from(base_vertex)) as u32);
             indices.extend(written);
             own.push(corners.iter().all(|c| (0..i64::from(count)).contains(c)).then(|| corners.map(|c| c as u32)));
         }
@@ -187,7 +187,7 @@ impl Maker<'_> {
             offset: offset as u64,
             stride: stride as u64,
             count,
-            indices: Some((index_buffer, format, first, 3 * triangles, base_vertex as i32)),
+            indices: Some((index_buffer, format, first, 3 * triangles, base_vertex)),
             instances: (instances > 0).then_some((instance_buffer, 20, 80, instances)),
         }
     }
@@ -287,11 +287,17 @@ impl World {
             .collect()
     }
 
+    /// The frame of this world with some lights.
+    pub fn frame<'a>(&'a self, meshes: &'a [Mesh<'a>], lights: &'a [Light<'a>]) -> Frame<'a> {
+        Frame { bounds: bounds(), meshes, gbuffer: self.gbuffer(), resolution: Resolution::Full, lights }
+    }
+
     pub fn gbuffer(&self) -> GBuffer<'_> {
         GBuffer {
             surface: Surface::Positions { view: &self.positions, lift: self.lift },
             normals: &self.normals,
             encoding: self.encoding,
+            triangles: None,
             sample: 0,
         }
     }

@@ -2,7 +2,7 @@
 
 use umbra4_core::{
     AreaLight, LatticeLight, Lift,
-    gbuffer::{NormalEncoding, Pixel, ViewParams, from_depth},
+    gbuffer::{NormalEncoding, Pixel, Upwards, ViewParams, from_depth},
     glam::{
         DVec3, IVec3,
         dcamera::rh::{proj, view},
@@ -15,13 +15,13 @@ use umbra4_tests::{
     oracle::oracle_masks,
 };
 use umbra4_wgpu::{
-    Frame, GBuffer, Gpu, Image, Light, SoftShadows, Surface, VisibilityFormat,
+    Frame, GBuffer, Gpu, Image, Light, Resolution, SoftShadows, Surface, VisibilityFormat,
     wgpu::{self, BufferUsages, CommandEncoderDescriptor, TextureFormat, TextureUsages},
 };
 
 use crate::fixture::{Expected, SIZE, Wish, World, bounds, lattice, light};
 
-const PIXELS: usize = (SIZE[0] * SIZE[1]) as usize;
+pub const PIXELS: usize = (SIZE[0] * SIZE[1]) as usize;
 const FORMATS: [(TextureFormat, VisibilityFormat); 3] = [
     (TextureFormat::R8Unorm, VisibilityFormat::Unorm8),
     (TextureFormat::R16Float, VisibilityFormat::Float16),
@@ -35,7 +35,7 @@ pub fn submit(gpu: &Gpu, record: impl FnOnce(&mut wgpu::CommandEncoder)) {
 }
 
 /// The masks that the oracle finds; nothing is lit where there is no receiver.
-fn masks(expected: &Expected, light: &LatticeLight) -> Vec<u64> {
+pub fn masks(expected: &Expected, light: &LatticeLight) -> Vec<u64> {
     let there = |p: &[i32; 3]| *p != NOWHERE;
     let points: Vec<IVec3> = expected.receivers.iter().filter(|p| there(p)).map(|p| IVec3::from_array(*p)).collect();
     let found = oracle_masks(light, &points, &expected.corners());
@@ -53,7 +53,7 @@ fn image(expected: &Expected, light: &LatticeLight, format: VisibilityFormat) ->
     lit.iter().flat_map(|&lit| format.bits(lit, samples).to_le_bytes()[..bytes].to_vec()).collect()
 }
 
-fn snapped(light: &AreaLight) -> LatticeLight {
+pub fn snapped(light: &AreaLight) -> LatticeLight {
     light.snap(&lattice(), Lift::NONE).expect("the lattice is fine enough")
 }
 
@@ -69,7 +69,7 @@ pub fn on_device(gpu: &Gpu, shadows: &SoftShadows) -> Expected {
     }
 }
 
-fn status(gpu: &Gpu, shadows: &SoftShadows) -> Status {
+pub fn status(gpu: &Gpu, shadows: &SoftShadows) -> Status {
     bytemuck::pod_read_unaligned(&read(gpu, shadows.status(), size_of::<Status>() as u64))
 }
 
@@ -86,7 +86,8 @@ fn check_frame(gpu: &Gpu, shadows: &mut SoftShadows, world: &World, light: AreaL
     let target = texture(gpu, [SIZE[0], SIZE[1], 1], TextureFormat::R32Float, usage);
     let lights = [shadowed(light, Image::Texture { texture: &target, layer: 0 })];
     submit(gpu, |encoder| {
-        let frame = Frame { bounds: bounds(), meshes: &world.meshes(), gbuffer: world.gbuffer(), lights: &lights };
+        let meshes = world.meshes();
+        let frame = world.frame(&meshes, &lights);
         shadows.record(encoder, &frame).expect("the frame is sound");
     });
     check_lattice(&on_device(gpu, shadows), &world.expected);
@@ -94,11 +95,11 @@ fn check_frame(gpu: &Gpu, shadows: &mut SoftShadows, world: &World, light: AreaL
     assert!(read_layer(gpu, &target, 0) == expected, "visibility differs");
 }
 
-fn shadowed(light: AreaLight, image: Image<'_>) -> Light<'_> {
+pub fn shadowed(light: AreaLight, image: Image<'_>) -> Light<'_> {
     Light { light, lift: Lift::NONE, visibility: Some(image), masks: None }
 }
 
-fn wish(triangles: u32) -> Wish {
+pub fn wish(triangles: u32) -> Wish {
     Wish { triangles, bad: 0, encoding: NormalEncoding::Signed }
 }
 
@@ -123,7 +124,8 @@ pub fn a_frame_is_exact(gpu: &Gpu) {
             .collect();
         asked.push(shadowed(lights[0], Image::Buffer { buffer: &plain, format }));
         submit(gpu, |encoder| {
-            let frame = Frame { bounds: bounds(), meshes: &world.meshes(), gbuffer: world.gbuffer(), lights: &asked };
+            let meshes = world.meshes();
+            let frame = world.frame(&meshes, &asked);
             shadows.record(encoder, &frame).expect("the frame is sound");
         });
         check_lattice(&on_device(gpu, &shadows), &world.expected);
@@ -197,7 +199,8 @@ pub fn two_frames_in_one_submission(gpu: &Gpu) {
     submit(gpu, |encoder| {
         for ((world, light), texture) in worlds.iter().zip(lights).zip(&targets) {
             let lights = [shadowed(light, Image::Texture { texture, layer: 0 })];
-            let frame = Frame { bounds: bounds(), meshes: &world.meshes(), gbuffer: world.gbuffer(), lights: &lights };
+            let meshes = world.meshes();
+            let frame = world.frame(&meshes, &lights);
             shadows.record(encoder, &frame).expect("the frame is sound");
         }
     });
@@ -225,7 +228,8 @@ pub fn no_allocation_once_frames_repeat(_: &Gpu) {
     let mut frame = |step: u32| {
         let lights = [shadowed(light(8, 8, -f64::from(step) * 0.1), Image::Texture { texture: &target, layer: 0 })];
         submit(gpu, |encoder| {
-            let frame = Frame { bounds: bounds(), meshes: &world.meshes(), gbuffer: world.gbuffer(), lights: &lights };
+            let meshes = world.meshes();
+            let frame = world.frame(&meshes, &lights);
             shadows.record(encoder, &frame).expect("the frame is sound");
         });
         gpu.device.poll(wgpu::PollType::wait_indefinitely()).expect("the device answers");
@@ -246,7 +250,7 @@ pub fn a_frame_without_triangles_is_lit(gpu: &Gpu) {
     let mut shadows = SoftShadows::new(&gpu.device).expect("the device can be used");
     let lights = [shadowed(light(8, 8, -1.0), Image::Texture { texture: &target, layer: 0 })];
     submit(gpu, |encoder| {
-        let frame = Frame { bounds: bounds(), meshes: &[], gbuffer: world.gbuffer(), lights: &lights };
+        let frame = world.frame(&[], &lights);
         shadows.record(encoder, &frame).expect("the frame is sound");
     });
     let lit: Vec<u8> = world.expected.receivers.iter().map(|p| if *p == NOWHERE { 0 } else { 255 }).collect();
@@ -298,9 +302,11 @@ pub fn depths_are_unprojected(gpu: &Gpu) {
             surface: Surface::Depths { view: &surface, unproject, empty: 0.0, ulps: 1 },
             normals: &normals,
             encoding: NormalEncoding::Signed,
+            triangles: None,
             sample: 0,
         };
-        let frame = Frame { bounds: bounds(), meshes: &meshes, gbuffer, lights: &lights };
+        let resolution = Resolution::Full;
+        let frame = Frame { bounds: bounds(), meshes: &meshes, gbuffer, resolution, lights: &lights };
         shadows.record(encoder, &frame).expect("the frame is sound");
     });
     let params = ViewParams {
@@ -318,7 +324,7 @@ pub fn depths_are_unprojected(gpu: &Gpu) {
         .enumerate()
         .map(|(pixel, &depth)| {
             let (x, y) = (pixel as u32 % SIZE[0], pixel as u32 / SIZE[0]);
-            match from_depth(&params, x, y, depth, [0.0, 1.0, 0.0, 0.0]) {
+            match from_depth(&params, x, y, depth, Upwards { axis: 1, sign: 1 }) {
                 Pixel::Receiver(p) => {
                     seen += 1;
                     p.to_array()

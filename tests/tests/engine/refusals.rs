@@ -14,7 +14,7 @@ use umbra4_wgpu::{
     },
 };
 
-use crate::fixture::{SIZE, Wish, World, bounds, light};
+use crate::fixture::{SIZE, Wish, World, light};
 
 /// Changes one thing of a sound frame, and wants the error to name it.
 fn refused(gpu: &Gpu, world: &World, names: &str, change: impl FnOnce(&mut Frame<'_>, &mut dyn FnMut(&Frame<'_>))) {
@@ -27,7 +27,7 @@ fn refused(gpu: &Gpu, world: &World, names: &str, change: impl FnOnce(&mut Frame
         masks: None,
     }];
     let meshes = world.meshes();
-    let mut frame = Frame { bounds: bounds(), meshes: &meshes, gbuffer: world.gbuffer(), lights: &lights };
+    let mut frame = world.frame(&meshes, &lights);
     let mut asked = false;
     change(&mut frame, &mut |frame| {
         asked = true;
@@ -103,6 +103,19 @@ pub fn what_is_refused_is_named(gpu: &Gpu) {
         refused(gpu, &world, names, |frame, ask| {
             let mut gbuffer = frame.gbuffer;
             gbuffer.normals = normals;
+            ask(&Frame { gbuffer, ..*frame });
+        });
+    }
+    for (names, triangles) in [
+        (
+            "gbuffer.triangles is [36, 11, 1] (width, height, samples)",
+            view([36, 11], TextureFormat::R32Uint, TextureUsages::TEXTURE_BINDING),
+        ),
+        ("gbuffer.triangles.format is R32Float", view(SIZE, TextureFormat::R32Float, TextureUsages::TEXTURE_BINDING)),
+    ] {
+        refused(gpu, &world, names, |frame, ask| {
+            let mut gbuffer = frame.gbuffer;
+            gbuffer.triangles = Some(&triangles);
             ask(&Frame { gbuffer, ..*frame });
         });
     }
