@@ -12,7 +12,6 @@ use umbra4_core::{
 
 const SIZE: [u32; 2] = [1920, 1080];
 const REACH: f64 = 64.0;
-const ULPS: u32 = 2;
 
 /// A camera within the bounds that looks at another point of them.
 fn camera() -> impl Strategy<Value = DMat4> {
@@ -29,12 +28,12 @@ fn camera() -> impl Strategy<Value = DMat4> {
     })
 }
 
-fn params(camera: DMat4, lattice: &Lattice) -> ViewParams {
+fn params(camera: DMat4, lattice: &Lattice, ulps: u32) -> ViewParams {
     ViewParams {
         snap: lattice.snap_params().expect("a lattice around zero"),
         width: SIZE[0],
         height: SIZE[1],
-        depth_error: ULPS as f32 * f32::EPSILON,
+        depth_error: ulps as f32 * f32::EPSILON,
         empty_depth: -1.0,
         pixel_width: 2.0 / SIZE[0] as f32,
         pixel_height: 2.0 / SIZE[1] as f32,
@@ -62,14 +61,15 @@ proptest! {
         camera in camera(),
         pixel in [0..SIZE[0], 0..SIZE[1]],
         distance in 0.0..100.0_f64,
-        wrong in -1.0..1.0_f64,
+        ulps in prop_oneof![Just(1), Just(4), Just(1000)],
+        wrong in prop_oneof![Just(-1.0), Just(0.0), Just(1.0), -1.0..1.0_f64],
     ) {
         let lattice = Lattice::covering(Bounds { min: DVec3::splat(-REACH), max: DVec3::splat(REACH) }).expect("finite");
-        let params = params(camera, &lattice);
+        let params = params(camera, &lattice, ulps);
         let (point, depth) = seen(camera, pixel, distance);
         prop_assume!(depth > 0.0 && depth < 1.0 && point.abs().max_element() < 4.0 * REACH);
         // Off by as much as is allowed, less the rounding to f32.
-        let stored = (depth + wrong * (f64::from(ULPS) - 0.5) * f64::from(f32::EPSILON) * depth) as f32;
+        let stored = (depth + wrong * (f64::from(ulps) - 0.5) * f64::from(f32::EPSILON) * depth) as f32;
         let (got, bound) = unproject(&params, pixel[0], pixel[1], stored);
         let error = (got.as_dvec3() - point).abs().max_element();
         prop_assert!(error <= f64::from(bound), "{error:e} > {bound:e} at {point}");
@@ -83,7 +83,7 @@ proptest! {
         normal in [-1.0..1.0_f32, -1.0..1.0_f32, -1.0..1.0_f32],
     ) {
         let lattice = Lattice::covering(Bounds { min: DVec3::splat(-REACH), max: DVec3::splat(REACH) }).expect("finite");
-        let params = params(camera, &lattice);
+        let params = params(camera, &lattice, 1);
         let (point, depth) = seen(camera, pixel, distance);
         let axis = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).expect("three axes");
         prop_assume!(depth > 0.0 && depth < 1.0 && point.abs().max_element() < REACH && normal[axis].abs() > 0.1);
