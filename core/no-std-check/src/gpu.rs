@@ -3,32 +3,42 @@
 use umbra4_core::{
     Exact, Fast, PairWord,
     edge_plane::Occluder,
+    gbuffer::{Upwards, ViewParams},
     kernel::{
         build_level::build_level,
+        dispatch::{Dispatch, MaskLayout, counters, dispatches},
+        half::{thin, upsample},
         key_receivers::key_receivers,
         key_triangles::key_triangles,
         order_triangles::order_triangles,
+        pack::pack,
+        probe::probe,
         reduce::reduce,
         resolve::{ReceiverCounts, resolve_counted},
+        snap_receivers::{snap_depth, snap_position, upwards, upwards_of},
+        snap_vertices::{snap_instances, snap_vertices},
         sort::{count_digits, scan_blocks, scatter_digits, sum_blocks},
+        triangles::{index_triangles, number_triangles},
     },
+    mesh::MeshParams,
     order::Entry,
     params::Params,
+    plan::{Pass, Plan},
     proj4::{KeyTile, Keys},
 };
 
 macro_rules! check {
-    ($($name:ident = $kernel:expr, ($($argument:ident: $type:ty),*);)*) => {
+    (of $params:ty: $($name:ident = $kernel:expr, ($($argument:ident: $type:ty),*);)*) => {
         $(
             #[unsafe(no_mangle)]
-            pub extern "C" fn $name(id: usize, params: &Params $(, $argument: $type)*) {
+            pub extern "C" fn $name(id: usize, params: &$params $(, $argument: $type)*) {
                 $kernel(id, params $(, $argument)*);
             }
         )*
     };
 }
 
-check! {
+check! { of Params:
     check_kernel_key_triangles = key_triangles,
         (vertices: &[[i32; 3]], triangles: &[[u32; 3]], keys: &mut [Keys], order: &mut [Entry]);
     check_kernel_key_receivers = key_receivers, (receivers: &[[i32; 3]], keys: &mut [Keys], order: &mut [Entry]);
@@ -46,5 +56,43 @@ check! {
     check_kernel_resolve_64 = resolve_counted::<PairWord, Fast>,
         (receivers: &[[i32; 3]], keys: &[Keys], order: &[Entry], occluders: &[Occluder], nodes: &[KeyTile],
         masks: &mut [u32], counts: &mut [ReceiverCounts]);
-    check_kernel_reduce = reduce, (masks: &[u32], table: &[f32], visibility: &mut [f32]);
+    check_kernel_reduce = reduce, (masks: &[u32], lit: &mut [u32]);
+    check_kernel_pack = pack, (lit: &[u32], table: &[u32], image: &mut [u32]);
+    check_kernel_probe = probe, (words: &[[u32; 8]], out: &mut [[u32; 8]]);
+}
+
+check! { of MeshParams:
+    check_kernel_snap_vertices = snap_vertices, (vertices: &[u32], snapped: &mut [[i32; 3]]);
+    check_kernel_snap_instances = snap_instances, (vertices: &[u32], instances: &[u32], snapped: &mut [[i32; 3]]);
+    check_kernel_index_triangles = index_triangles, (indices: &[u32], triangles: &mut [[u32; 3]]);
+    check_kernel_number_triangles = number_triangles, (triangles: &mut [[u32; 3]]);
+}
+
+check! { of ViewParams:
+    check_kernel_snap_position = snap_position, (position: [f32; 4], up: Upwards, receivers: &mut [[i32; 3]]);
+    check_kernel_snap_depth = snap_depth, (texel: [u32; 2], depth: f32, up: Upwards, receivers: &mut [[i32; 3]]);
+    check_kernel_thin = thin, (receivers: &[[i32; 3]], thinned: &mut [[i32; 3]]);
+    check_kernel_upsample = upsample,
+        (receivers: &[[i32; 3]], thinned: &[[i32; 3]], lit: &[u32], upsampled: &mut [u32]);
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_upwards(
+    params: &ViewParams,
+    normal: [f32; 4],
+    owner: u32,
+    vertices: &[[i32; 3]],
+    triangles: &[[u32; 3]],
+) -> [Upwards; 2] {
+    [upwards(params, normal), upwards_of(params, normal, owner, vertices, triangles)]
+}
+
+/// What the kernels of a pass are.
+#[unsafe(no_mangle)]
+pub extern "C" fn check_dispatches(plan: &Plan, layout: &MaskLayout, pass: &Pass, record: fn(&Dispatch<'_>)) -> u64 {
+    let recorded: Result<(), core::convert::Infallible> = dispatches(plan, layout, pass, &mut |dispatch| {
+        record(dispatch);
+        Ok(())
+    });
+    recorded.map_or(0, |()| counters(pass.count))
 }

@@ -6,6 +6,7 @@ use umbra4_core::{
     exact,
     frame::LightFrame,
     glam::{DVec3, IVec3, Vec3},
+    order::CodeFrame,
     plan::Pass,
     stage::Stage,
     wide::Limbs,
@@ -71,4 +72,9 @@ pub extern "C" fn check_blocks(
         exact::blocks::<exact::Wide>(light, p, triangle, row, column),
         exact::blocks::<Limbs>(light, p, triangle, row, column),
     ]
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_codes(frame: &LightFrame, bounds: [IVec3; 2]) -> CodeFrame {
+    CodeFrame::around(frame, bounds)
 }
