@@ -45,10 +45,13 @@ impl From<umbra4_cpu::Statistics> for Report {
 
 impl From<umbra4_wgpu::Statistics> for Report {
     fn from(statistics: umbra4_wgpu::Statistics) -> Self {
-        Self {
-            seconds_by_stage: vec![("gpu".to_owned(), statistics.time.as_secs_f64())],
-            counts: statistics.counts.unwrap_or_default(),
-        }
+        let mut stages: Vec<(String, f64)> =
+            statistics.stages.iter().map(|(stage, seconds)| (stage.info().name.to_owned(), *seconds)).collect();
+        // What the host waited for beyond that: uploads, results; or all of it, where the device takes no time.
+        let named: f64 = stages.iter().map(|(_, seconds)| seconds).sum();
+        let rest = if stages.is_empty() { "gpu" } else { "transfer" };
+        stages.push((rest.to_owned(), (statistics.time.as_secs_f64() - named).max(0.0)));
+        Self { seconds_by_stage: stages, counts: statistics.counts.unwrap_or_default() }
     }
 }
 
@@ -81,7 +84,8 @@ impl AnyExecutor {
     }
 
     fn gpu(gpu: Gpu, precision: PrecisionArg) -> Self {
-        Self::Gpu(Box::new(WgpuExecutor::new(gpu).with_counts(true).with_precision(precision.into())))
+        let executor = WgpuExecutor::new(gpu).with_counts(true).with_stage_times(true);
+        Self::Gpu(Box::new(executor.with_precision(precision.into())))
     }
 
     /// What it runs on.
