@@ -24,6 +24,7 @@ use std::{path::PathBuf, process::ExitCode};
 use clap::{Args, Parser, Subcommand};
 use compare::{CompareError, Comparison, Options, compare};
 use scene::PAPER_LIGHT;
+use umbra4_wgpu::Choice;
 use verify::{VerifyError, verify};
 
 /// Benchmarks of umbra4.
@@ -150,6 +151,9 @@ struct VerifyArgs {
     /// Diagonal of the light in the paper's units (its table 5: 1 to 5).
     #[arg(long, default_value_t = PAPER_LIGHT, value_parser = light_scale)]
     light_scale: f64,
+    /// Compares the masks of this adapter as well: "software", "hardware", or a part of its name.
+    #[arg(long)]
+    gpu: Option<String>,
     /// Chooses the receivers.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -167,6 +171,11 @@ impl VerifyArgs {
             image: self.image,
             light: self.light_scale,
             seed: self.seed,
+            gpu: self.gpu.as_deref().map(|name| match name {
+                "hardware" => Choice::Hardware,
+                "software" => Choice::Software,
+                name => Choice::Named(name.to_owned()),
+            }),
         }
     }
 }

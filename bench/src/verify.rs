@@ -20,6 +20,7 @@ use umbra4_tests::{
     oracle,
     rng::Rng,
 };
+use umbra4_wgpu::{Choice, Gpu, GpuError, LatticeScene, WgpuExecutor};
 
 use crate::{
     primary::{Hit, hits},
@@ -53,6 +54,9 @@ pub enum VerifyError {
     /// The executor refuses to run.
     #[error(transparent)]
     Executor(#[from] ExecutorError),
+    /// The GPU refuses to run.
+    #[error(transparent)]
+    Gpu(#[from] GpuError),
     /// The masks cannot even be compared.
     #[error("{scene}: {source}")]
     Masks {
@@ -99,6 +103,8 @@ pub struct Options {
     pub light: f64,
     /// Chooses the receivers.
     pub seed: u64,
+    /// The adapter whose masks are compared with the oracle too.
+    pub gpu: Option<Choice>,
 }
 
 /// Verifies all scenes that are there.
@@ -112,7 +118,8 @@ pub fn verify(options: &Options) -> Result<Report, VerifyError> {
             return Err(VerifyError::Missing { name: name.clone(), directory: options.scenes.clone() });
         }
     }
-    let mut report = Report::default();
+    let open = |choice: &Choice| Gpu::open(choice).map(WgpuExecutor::new);
+    let mut report = Report { gpu: options.gpu.as_ref().map(open).transpose()?, ..Report::default() };
     let optional = options.names.iter().filter(|name| !options.require.contains(name));
     for name in options.require.iter().chain(optional) {
         if is_there(name)? {
@@ -127,6 +134,7 @@ pub fn verify(options: &Options) -> Result<Report, VerifyError> {
 /// All results.
 #[derive(Debug, Default)]
 pub struct Report {
+    gpu: Option<WgpuExecutor>,
     missing: Vec<String>,
     oracle: Vec<OracleLine>,
     unsnapped: Vec<UnsnappedLine>,
@@ -145,6 +153,8 @@ struct OracleLine {
     blocked: u64,
     exact: u64,
     fast: u64,
+    /// Bits of the GPU that differ, where one is asked.
+    gpu: Option<u64>,
 }
 
 /// One scene and kind of receiver, against the oracle on the original coordinates.
@@ -177,7 +187,7 @@ impl Report {
     /// True where all bits are the oracle's, the snap explains all that the second oracle says otherwise, and one sample at
     /// a time gives the same masks.
     pub fn holds(&self) -> bool {
-        self.oracle.iter().all(|line| line.exact == 0)
+        self.oracle.iter().all(|line| line.exact == 0 && line.gpu.is_none_or(|differing| differing == 0))
             && self.unsnapped.iter().all(|line| line.moved.unexplained == 0)
             && self.rows.iter().all(|line| line.differing == 0)
     }
@@ -227,11 +237,16 @@ impl Report {
         let kinds = [raw("on surfaces, raw", positions)?, raw("in the box", free.to_vec())?];
 
         let (mut expected, mut exact, mut fast, mut receivers) = (Vec::new(), Vec::new(), Vec::new(), 0);
+        let mut on_gpu: Vec<W> = Vec::new();
+        let on_lattice = LatticeScene { vertices: occluders.vertices(), triangles: occluders.triangles() };
         for points in [&problem.receivers, &kinds[0].receivers, &kinds[1].receivers] {
             receivers += points.len();
             expected.extend(oracle::oracle_masks(light, points.points(), &triangles));
             exact.extend(masks(Precision::Exact, points)?);
             fast.extend(masks(Precision::Fast, points)?);
+            if let Some(gpu) = &self.gpu {
+                on_gpu.extend(gpu.masks::<W>(&on_lattice, light, points.points())?.0);
+            }
         }
         let penumbra = expected.chunks_exact(light.rows as usize).filter(|mask| in_penumbra(mask, light)).count();
         if penumbra == 0 {
@@ -247,6 +262,7 @@ impl Report {
             blocked: expected.iter().map(|word| u64::from(word.count_ones())).sum(),
             exact: differing(name, &expected, &exact, light)?,
             fast: differing(name, &expected, &fast, light)?,
+            gpu: self.gpu.as_ref().map(|_| differing(name, &expected, &on_gpu, light)).transpose()?,
         });
 
         if unsnapped {
@@ -291,21 +307,28 @@ impl Report {
     pub fn markdown(&self) -> String {
         let mut out = String::from(
             "| scene | triangles | samples | receivers | in penumbra | bits | blocked | exact: differing | \
-             fast: differing |\n|---|--:|--:|--:|--:|--:|--:|--:|--:|\n",
+             fast: differing | GPU: differing |\n|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|\n",
         );
         // Writing to a string cannot fail.
         for line in &self.oracle {
             let OracleLine { scene, triangles, samples, receivers, penumbra, bits, .. } = line;
             let (blocked, exact, fast) = (1e2 * line.blocked as f64 / *bits as f64, line.exact, line.fast);
+            let gpu = line.gpu.map_or_else(|| "not asked".to_owned(), |differing| differing.to_string());
             let _ = writeln!(
                 out,
                 "| {scene} | {triangles} | {samples}² | {receivers} | {penumbra} | {bits} | {blocked:.1} % | {exact} | \
-                 {fast} |",
+                 {fast} | {gpu} |",
             );
         }
         out.push_str(
             "\nAll triangles against random receivers: surface points lifted, the same raw, and points of the scene's \
-             box, half of each chosen from penumbrae; against determinants of the lattice coordinates in 128-bit integers.\n\n\
+             box, half of each chosen from penumbrae; against determinants of the lattice coordinates in 128-bit integers.",
+        );
+        if let Some(gpu) = &self.gpu {
+            let _ = write!(out, " The GPU is {}.", gpu.gpu().name);
+        }
+        out.push_str(
+            "\n\n\
              | scene | receivers | of them | bits | moved by the snap | not explained by it |\n\
              |---|---|--:|--:|--:|--:|\n",
         );
@@ -403,7 +426,7 @@ mod tests {
     fn options() -> Options {
         let names = scene::names().map(str::to_owned).collect();
         let (scenes, require) = (std::env::temp_dir().join("umbra4-bench-no-scenes"), Vec::new());
-        Options { scenes, names, require, receivers: 64, unsnapped: 8, image: 48, light: 3.0, seed: 1 }
+        Options { scenes, names, require, receivers: 64, unsnapped: 8, image: 48, light: 3.0, seed: 1, gpu: None }
     }
 
     #[test]
@@ -423,7 +446,7 @@ mod tests {
 
     #[test]
     fn a_wrong_bit_fails() {
-        let line = OracleLine {
+        let line = |exact, gpu| OracleLine {
             scene: String::new(),
             triangles: 1,
             samples: 1,
@@ -431,10 +454,13 @@ mod tests {
             penumbra: 1,
             bits: 1,
             blocked: 0,
-            exact: 1,
+            exact,
             fast: 0,
+            gpu,
         };
-        assert!(!Report { oracle: vec![line], ..Report::default() }.holds());
+        let holds = |line| Report { oracle: vec![line], ..Report::default() }.holds();
+        assert!(holds(line(0, None)) && holds(line(0, Some(0))));
+        assert!(!holds(line(1, None)) && !holds(line(0, Some(1))));
         let line = RowsLine { scene: String::new(), samples: 1, receivers: 1, bits: 1, differing: 1 };
         assert!(!Report { rows: vec![line], ..Report::default() }.holds());
         let light = tiny(2).light;

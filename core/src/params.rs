@@ -94,6 +94,8 @@ pub struct PassParams {
     pub pitch: u32,
     /// Pixels that a word of a packed image holds: 1, 2 or 4.
     pub texels: u32,
+    /// Rounds of a loop that a thread takes at its end, to see that it still may.
+    pub rounds: u32,
 }
 
 impl Params {
@@ -126,7 +128,7 @@ impl Params {
         self.pass = [
             UVec4::new(p.count, p.first, p.shift, p.level),
             UVec4::new(p.stride, p.row, p.elements, p.base),
-            UVec4::new(p.width, p.pitch, p.texels, 0),
+            UVec4::new(p.width, p.pitch, p.texels, p.rounds),
         ];
         self
     }
@@ -137,8 +139,8 @@ impl Params {
         let [a, b, c] = self.pass;
         let (count, first, shift, level) = (a.x, a.y, a.z, a.w);
         let (stride, row, elements, base) = (b.x, b.y, b.z, b.w);
-        let (width, pitch, texels) = (c.x, c.y, c.z);
-        PassParams { count, first, shift, level, stride, row, elements, base, width, pitch, texels }
+        let (width, pitch, texels, rounds) = (c.x, c.y, c.z, c.w);
+        PassParams { count, first, shift, level, stride, row, elements, base, width, pitch, texels, rounds }
     }
 
     /// The light.

@@ -67,6 +67,12 @@ pub enum GpuError {
         /// What the driver said.
         reason: String,
     },
+    /// The driver stops threads that run for long, even for the least that they can be given.
+    #[error("the driver of {adapter} stops threads before they are done")]
+    Stopped {
+        /// The adapter.
+        adapter: String,
+    },
     /// The mask word holds fewer columns than the light has.
     #[error("a light of {columns} columns does not fit words of {bits} bits")]
     WordTooNarrow {

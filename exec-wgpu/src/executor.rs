@@ -9,6 +9,7 @@ use umbra4_core::{
     Counts, IndexKind, LatticeLight, MaskWord, Plan, Precision, SceneFacts,
     glam::IVec3,
     kernel::resolve::{ReceiverCounts, stride},
+    proj4::NODE,
     stage::reduce,
 };
 
@@ -17,7 +18,7 @@ use crate::{
     host::{Asked, Host, Results},
     recorder::Recorder,
     scratch::Scratch,
-    stages::{BLOCK, Buffers, Stages, block, mask_layout, narrowest},
+    stages::{BLOCK, Buffers, SMALLEST_SLICE, Stages, block, mask_layout, narrowest, slice},
     timing::Timing,
 };
 
@@ -186,14 +187,15 @@ impl WgpuExecutor {
             }
         }
         let Gpu { device, software, .. } = &self.gpu;
-        let layout = mask_layout(light, bits, self.precision, asked.counts, *software);
+        let layout = |slice| mask_layout(light, bits, self.precision, asked.counts, slice);
+        let mut slice = slice(*software);
         let plan = Plan::new(SceneFacts {
             new_vertices: 0,
             triangles: scene.triangles.len() as u32,
             receivers: receivers.len() as u32,
             world_receivers: false,
             visibility: asked.visibility,
-            block: block(&layout, self.block),
+            block: block(&layout(slice), self.block),
             index: IndexKind::Hierarchy,
         });
         let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);
@@ -207,13 +209,23 @@ impl WgpuExecutor {
         };
         let compiling = recorder.pipelines().time();
         let start = Instant::now();
-        let buffers = Buffers::fit(scratch, device, &plan, &layout, scene.vertices.len() as u32)?;
-        let host = Host::new(&self.gpu, asked, layout.stride);
-        host.upload(&buffers, scene, receivers)?;
-        recorder.restart();
         let bounds = bounds(scene.vertices.iter().chain(receivers));
-        let results =
-            Stages::new(&plan, layout, light, bounds, recorder, &buffers, host).run()?.finish(recorder, &buffers)?;
+        let results = loop {
+            let layout = layout(slice);
+            let buffers = Buffers::fit(scratch, device, &plan, &layout, scene.vertices.len() as u32)?;
+            let host = Host::new(&self.gpu, asked, layout.stride);
+            host.upload(&buffers, scene, receivers)?;
+            recorder.restart();
+            recorder.clear(&buffers.masks, buffers.stopped());
+            let stages = Stages::new(&plan, layout, light, bounds, recorder, &buffers, host);
+            let results = stages.run()?.finish(recorder, &buffers)?;
+            match results.stopped {
+                false => break results,
+                // The driver ended threads before they were done: they get less to do.
+                true if slice > SMALLEST_SLICE => slice = (slice / NODE as u32).max(SMALLEST_SLICE),
+                true => return Err(GpuError::Stopped { adapter: self.gpu.name.clone() }),
+            }
+        };
         let time = start.elapsed().saturating_sub(recorder.pipelines().time() - compiling);
         let counts = asked.counts.then(|| sum(&results.counts));
         let stages = results.stages.clone();

@@ -1,6 +1,10 @@
 //! A run for the host: what it hands over goes up, what it asked for comes back, block by block.
 
-use umbra4_core::{glam::IVec3, kernel::resolve::ReceiverCounts, stage::Stage};
+use umbra4_core::{
+    glam::IVec3,
+    kernel::resolve::{ReceiverCounts, STOPPED},
+    stage::Stage,
+};
 use wgpu::{Buffer, CommandEncoderDescriptor};
 
 use crate::{
@@ -27,6 +31,8 @@ pub(crate) struct Results {
     pub(crate) lit: Vec<u32>,
     pub(crate) counts: Vec<ReceiverCounts>,
     pub(crate) stages: Vec<(Stage, f64)>,
+    /// Whether the driver has stopped a thread: the results lack something.
+    pub(crate) stopped: bool,
 }
 
 /// The host's ends of a run.
@@ -67,15 +73,23 @@ impl<'a> Host<'a> {
     /// The results of all blocks.
     pub(crate) fn finish(self, recorder: &mut Recorder, buffers: &Buffers) -> Result<Results, GpuError> {
         let Self { gpu: Gpu { device, queue, .. }, asked, mut results, receivers, .. } = self;
-        let Some(lit) = buffers.lit.as_ref().filter(|_| asked.visibility && receivers > 0) else { return Ok(results) };
-        let staging = guarded(device, "reads lit counts", || {
-            let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor { label: Some("umbra4") });
-            let staging = copy(device, &mut encoder, lit, receivers * size_of::<u32>() as u64);
-            queue.submit([encoder.finish()]);
-            staging
-        })?;
         recorder.restart();
-        results.lit = read(device, &staging)?;
+        if receivers == 0 {
+            return Ok(results);
+        }
+        let (stopped, lit) = guarded(device, "reads results", || {
+            let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor { label: Some("umbra4") });
+            let word = size_of::<u32>() as u64;
+            let stopped = copy(device, &mut encoder, &buffers.masks, buffers.stopped(), word);
+            let lit = buffers.lit.as_ref().filter(|_| asked.visibility);
+            let lit = lit.map(|lit| copy(device, &mut encoder, lit, 0, receivers * word));
+            queue.submit([encoder.finish()]);
+            (stopped, lit)
+        })?;
+        results.stopped = read::<u32>(device, &stopped)?.contains(&STOPPED);
+        if let Some(lit) = lit {
+            results.lit = read(device, &lit)?;
+        }
         Ok(results)
     }
 }
@@ -97,12 +111,12 @@ impl Ends for Host<'_> {
             let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor { label: Some("umbra4") });
             recorder.encode(&mut encoder)?;
             let words = u64::from(count) * u64::from(*stride);
-            let masks = asked.masks.then(|| copy(device, &mut encoder, &buffers.masks, words * 4));
+            let masks = asked.masks.then(|| copy(device, &mut encoder, &buffers.masks, 0, words * 4));
             let size = u64::from(count) * size_of::<ReceiverCounts>() as u64;
-            let counts = buffers.counts.as_ref().map(|counts| copy(device, &mut encoder, counts, size));
+            let counts = buffers.counts.as_ref().map(|counts| copy(device, &mut encoder, counts, 0, size));
             let ticks = recorder.timing().filter(|timing| !timing.stages().is_empty()).map(|timing| {
                 let size = timing.stages().len() * size_of::<[u64; 2]>();
-                copy(device, &mut encoder, timing.ticks(), size as u64)
+                copy(device, &mut encoder, timing.ticks(), 0, size as u64)
             });
             queue.submit([encoder.finish()]);
             Ok::<_, GpuError>((masks, counts, ticks))

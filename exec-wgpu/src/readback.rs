@@ -6,15 +6,15 @@ use wgpu::{Buffer, BufferDescriptor, BufferUsages, CommandEncoder, Device, MapMo
 
 use crate::GpuError;
 
-/// A copy of the first `bytes` bytes of `source`, to be read once `encoder` is submitted.
-pub(crate) fn copy(device: &Device, encoder: &mut CommandEncoder, source: &Buffer, bytes: u64) -> Buffer {
+/// A copy of `bytes` bytes of `source` from byte `from` on, to be read once `encoder` is submitted.
+pub(crate) fn copy(device: &Device, encoder: &mut CommandEncoder, source: &Buffer, from: u64, bytes: u64) -> Buffer {
     let staging = device.create_buffer(&BufferDescriptor {
         label: Some("umbra4 readback"),
         size: bytes,
         usage: BufferUsages::MAP_READ | BufferUsages::COPY_DST,
         mapped_at_creation: false,
     });
-    encoder.copy_buffer_to_buffer(source, 0, &staging, 0, bytes);
+    encoder.copy_buffer_to_buffer(source, from, &staging, 0, bytes);
     staging
 }
 

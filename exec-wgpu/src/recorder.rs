@@ -71,8 +71,8 @@ struct Dispatch {
 #[derive(Debug)]
 enum Step {
     Dispatch(Box<Dispatch>),
-    Clear(Buffer),
-    Copy { from: Buffer, to: Buffer, offset: u64, bytes: u64 },
+    Clear { buffer: Buffer, from: u64 },
+    Copy { from: (Buffer, u64), to: (Buffer, u64), bytes: u64 },
     Image { from: Buffer, pitch: u32, to: Texture, layer: u32 },
 }
 
@@ -158,14 +158,14 @@ impl Recorder {
         Ok(())
     }
 
-    /// Zeros in a whole buffer.
-    pub(crate) fn clear(&mut self, buffer: &Buffer) {
-        self.put(Step::Clear(buffer.clone()));
+    /// Zeros in a buffer, from byte `from` on.
+    pub(crate) fn clear(&mut self, buffer: &Buffer, from: u64) {
+        self.put(Step::Clear { buffer: buffer.clone(), from });
     }
 
-    /// The first `bytes` bytes of `from` go to `to`, from byte `offset` on.
-    pub(crate) fn copy(&mut self, from: &Buffer, to: &Buffer, offset: u64, bytes: u64) {
-        self.put(Step::Copy { from: from.clone(), to: to.clone(), offset, bytes });
+    /// Bytes of a buffer, from a byte on, go to another.
+    pub(crate) fn copy(&mut self, from: (&Buffer, u64), to: (&Buffer, u64), bytes: u64) {
+        self.put(Step::Copy { from: (from.0.clone(), from.1), to: (to.0.clone(), to.1), bytes });
     }
 
     /// Rows of `pitch` bytes go to a layer of a texture.
@@ -195,9 +195,9 @@ impl Recorder {
         let mut place = 0;
         while let Some(step) = steps.next() {
             match step {
-                Step::Clear(buffer) => encoder.clear_buffer(buffer, 0, None),
-                Step::Copy { from, to, offset, bytes } => {
-                    encoder.copy_buffer_to_buffer(from, 0, to, *offset, *bytes);
+                Step::Clear { buffer, from } => encoder.clear_buffer(buffer, *from, None),
+                Step::Copy { from, to, bytes } => {
+                    encoder.copy_buffer_to_buffer(&from.0, from.1, &to.0, to.1, *bytes);
                 }
                 Step::Image { from, pitch, to, layer } => copy_image(encoder, from, *pitch, to, *layer),
                 Step::Dispatch(first) => {

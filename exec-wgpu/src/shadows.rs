@@ -1,6 +1,6 @@
 //! Soft shadows within an engine's frame: recorded into its encoder, over its buffers and textures.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, mem::offset_of};
 
 use umbra4_core::{
     IndexKind, Lattice, LatticeLight, Plan, Precision, SceneFacts,
@@ -27,7 +27,7 @@ use crate::{
     readback::{copy, read},
     recorder::{Recorder, Resource},
     scratch::Scratch,
-    stages::{BLOCK, Buffers, Ends, Stages, block, mask_layout, narrowest},
+    stages::{BLOCK, Buffers, Ends, SMALLEST_SLICE, Stages, block, mask_layout, narrowest},
     timing::{Timing, seconds},
 };
 
@@ -80,7 +80,7 @@ const PITCH: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / 4;
 #[derive(Debug)]
 pub struct SoftShadows {
     device: Device,
-    software: bool,
+    slice: u32,
     precision: Precision,
     recorder: Recorder,
     scratch: Scratch,
@@ -135,7 +135,8 @@ impl SoftShadows {
         })?;
         Ok(Self {
             device: device.clone(),
-            software: device.adapter_info().device_type == DeviceType::Cpu,
+            // Nobody waits for a frame to see whether it was stopped: software drivers get the least at once.
+            slice: if device.adapter_info().device_type == DeviceType::Cpu { SMALLEST_SLICE } else { u32::MAX },
             precision,
             recorder: Recorder::new(device, loading, None),
             scratch: Scratch::default(),
@@ -177,7 +178,7 @@ impl SoftShadows {
         let staging = guarded(&self.device, "reads timestamps", || {
             let mut encoder = self.device.create_command_encoder(&CommandEncoderDescriptor { label: Some("umbra4") });
             let size = timing.stages().len() * size_of::<[u64; 2]>();
-            let staging = copy(&self.device, &mut encoder, timing.ticks(), size as u64);
+            let staging = copy(&self.device, &mut encoder, timing.ticks(), 0, size as u64);
             queue.submit([encoder.finish()]);
             staging
         })?;
@@ -206,14 +207,14 @@ impl SoftShadows {
     /// Collects the steps of a frame.
     fn collect(&mut self, frame: &Frame<'_>, checked: &Checked, bounds: [IVec3; 2]) -> Result<(), GpuError> {
         self.recorder.set_stage(Stage::SnapVertices);
-        self.recorder.clear(&self.status);
+        self.recorder.clear(&self.status, 0);
         let mut first = true;
         self.snapped = None;
         for (light, own) in frame.lights.iter().zip(&checked.lights) {
             if !checks::asks(light) {
                 continue;
             }
-            let layout = own.layout(self.precision, self.software);
+            let layout = own.layout(self.precision, self.slice);
             let plan = Plan::new(SceneFacts {
                 new_vertices: if first { checked.vertices } else { 0 },
                 triangles: checked.triangles,
@@ -223,8 +224,11 @@ impl SoftShadows {
                 block: block(&layout, BLOCK),
                 index: IndexKind::Hierarchy,
             });
-            first = false;
             let buffers = Buffers::fit(&mut self.scratch, &self.device, &plan, &layout, checked.vertices)?;
+            if first {
+                self.recorder.clear(&buffers.masks, buffers.stopped());
+            }
+            first = false;
             let pixels = match checked.thinned {
                 true => Some(self.scratch.fit::<[i32; 3]>(&self.device, "pixels", u64::from(checked.pixels))?),
                 false => None,
@@ -243,6 +247,11 @@ impl SoftShadows {
                     None => lit,
                 };
                 self.pack(image, format, own.light.sample_count(), checked.view.size, lit)?;
+            }
+            if self.slice == SMALLEST_SLICE {
+                let place = offset_of!(Status, stopped) as u64;
+                let size = size_of::<u32>() as u64;
+                self.recorder.copy((&buffers.masks, buffers.stopped()), (&self.status, place), size);
             }
             self.snapped = Some(checked.snapped(&buffers));
         }
@@ -352,14 +361,14 @@ impl CheckedLight {
         let own =
             Self { light: snapped, format: image.map(|image| checks::image(image, view.size, &field)).transpose()? };
         if let Some(masks) = light.masks {
-            let stride = own.layout(Precision::Exact, false).stride;
+            let stride = own.layout(Precision::Exact, u32::MAX).stride;
             checks::masks(masks, u64::from(pixels), stride, &field)?;
         }
         Ok(own)
     }
 
-    fn layout(&self, precision: Precision, software: bool) -> MaskLayout {
-        mask_layout(&self.light, narrowest(&self.light), precision, false, software)
+    fn layout(&self, precision: Precision, slice: u32) -> MaskLayout {
+        mask_layout(&self.light, narrowest(&self.light), precision, false, slice)
     }
 }
 
@@ -494,7 +503,7 @@ impl Ends for Engine<'_> {
     fn block(&mut self, recorder: &mut Recorder, buffers: &Buffers, first: u32, count: u32) -> Result<(), GpuError> {
         if let Some(masks) = self.masks {
             let bytes = |pixels: u32| 4 * u64::from(pixels) * u64::from(self.stride);
-            recorder.copy(&buffers.masks, masks, bytes(first), bytes(count));
+            recorder.copy((&buffers.masks, 0), (masks, bytes(first)), bytes(count));
         }
         Ok(())
     }

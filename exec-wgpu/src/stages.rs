@@ -12,7 +12,7 @@ use umbra4_core::{
     order::CodeFrame,
     params::Params,
     precision::Precision,
-    proj4::KeyTile,
+    proj4::{KeyTile, NODE},
     stage::Stage,
 };
 use wgpu::{Buffer, Device};
@@ -27,8 +27,13 @@ use crate::{
 const MASK_BYTES: u64 = 64 << 20;
 /// Receivers of a block, at most.
 pub(crate) const BLOCK: u32 = 1 << 20;
-/// Triangles that a dispatch of a software driver looks at: lavapipe ends loops after 65,535 rounds.
-const SOFTWARE_SLICE: u32 = 256;
+/// Triangles that a dispatch looks at, at first: lavapipe ends loops after 65,535 rounds.
+pub(crate) const fn slice(software: bool) -> u32 {
+    if software { 16 * SMALLEST_SLICE } else { u32::MAX }
+}
+
+/// Those of one node: a dispatch cannot look at fewer.
+pub(crate) const SMALLEST_SLICE: u32 = NODE as u32;
 
 /// How masks with rows in words of `bits` bits are computed and stored.
 pub(crate) fn mask_layout(
@@ -36,14 +41,9 @@ pub(crate) fn mask_layout(
     bits: u32,
     precision: Precision,
     counted: bool,
-    software: bool,
+    slice: u32,
 ) -> MaskLayout {
-    MaskLayout {
-        resolve: resolve_kernel(bits, precision, counted),
-        stride: stride(light.rows, bits),
-        counted,
-        slice: if software { SOFTWARE_SLICE } else { u32::MAX },
-    }
+    MaskLayout { resolve: resolve_kernel(bits, precision, counted), stride: stride(light.rows, bits), counted, slice }
 }
 
 /// Receivers of a block: at most `most`, and no more than the memory for masks holds.
@@ -106,7 +106,8 @@ impl Buffers {
         let receivers = u64::from(facts.receivers);
         let block = facts.block.min(facts.receivers);
         let sorted = facts.triangles.max(block);
-        let masks = u64::from(block) * u64::from(layout.stride);
+        // One more word says whether a thread was stopped.
+        let masks = u64::from(block) * u64::from(layout.stride) + 1;
         let mut fit = Fit { scratch, device };
         Ok(Self {
             vertices: fit.of::<[i32; 3]>("vertices", u64::from(vertices))?,
@@ -128,6 +129,11 @@ impl Buffers {
 }
 
 impl Buffers {
+    /// Byte of the mask buffer at which a word says whether a thread was stopped.
+    pub(crate) fn stopped(&self) -> u64 {
+        self.masks.size() - size_of::<u32>() as u64
+    }
+
     fn of(&self, role: Role) -> &Buffer {
         match role {
             Role::Vertices => &self.vertices,

@@ -74,7 +74,7 @@ impl<'a> Lockstep<'a> {
             words(Role::Nodes, size_of::<KeyTile>() / 4, plan.levels().tiles()),
             words(Role::ReceiverKeys, 5, block),
             words(Role::ReceiverOrder, 2, block),
-            words(Role::Masks, layout.stride as usize, block),
+            words(Role::Masks, 1, block * layout.stride as usize + 1),
             words(Role::Counts, 4, block),
             words(Role::LitCounts, 1, receivers),
         ]);

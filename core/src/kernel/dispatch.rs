@@ -38,7 +38,7 @@ pub enum Role {
     ReceiverKeys,
     /// A block's receivers along the curve.
     ReceiverOrder,
-    /// Masks of a block.
+    /// Masks of a block, and one more word: see [`crate::kernel::resolve::resolve`].
     Masks,
     /// Counts of a block.
     Counts,
@@ -131,6 +131,7 @@ pub fn dispatches<E>(
                 first: pass.first,
                 stride: layout.stride,
                 level: level as u32,
+                rounds: 2,
                 ..PassParams::default()
             };
             (0..levels.range(level).len().max(1) as u32)

@@ -68,13 +68,18 @@ pub const fn stride(rows: u32, bits: u32) -> u32 {
     (rows * bits).div_ceil(32)
 }
 
+/// What the last word of `masks` is where a driver has stopped a thread; else 0.
+pub const STOPPED: u32 = 1;
+
 /// Counts of one receiver: pairs tested, kept, relevant; signs decided in integers.
 pub type ReceiverCounts = [u32; 4];
 
 /// The `id`-th receiver in the order of a block: the triangles under one node of the hierarchy are added to its mask.
 /// Those under the first of them start an empty one. Returns its index, and what was done for it.
 ///
-/// (A driver may stop a thread that runs for too long: lavapipe ends all loops after 65,535 rounds together.)
+/// A driver may stop a thread that runs for too long: lavapipe ends all loops of a thread, and of its neighbours, after 65,535
+/// rounds together, silently. So a last loop asks whether loops still run; where they do not, the last word of `masks`, which
+/// belongs to no mask, is set.
 #[inline(always)]
 pub fn resolve<W: DeviceWord, P: PrecisionMode>(
     id: usize,
@@ -117,6 +122,14 @@ pub fn resolve<W: DeviceWord, P: PrecisionMode>(
     while k < pass.stride as usize {
         store(masks, index * pass.stride as usize + k, W::stored(&group.masks[0], rows, k, halves));
         k += 1;
+    }
+    let mut rounds = 0;
+    while rounds < pass.rounds {
+        rounds += 1;
+    }
+    if rounds < pass.rounds || k < pass.stride as usize {
+        let last = masks.len().wrapping_sub(1);
+        store(masks, last, STOPPED);
     }
     let c = group.counts;
     (index, [c.pairs_tested as u32, c.pairs_kept as u32, c.pairs_relevant as u32, c.fallbacks as u32])

@@ -10,6 +10,6 @@ pub struct Status {
     pub triangles: u32,
     /// Pixels whose position or normal is NaN, infinite, zero or outside the lattice. No light falls on them.
     pub receivers: u32,
-    /// Nothing: fills the vector of four.
-    pub padding: u32,
+    /// 1 where the driver has stopped threads that ran for long, so that masks may lack bits; else 0. Software drivers do so.
+    pub stopped: u32,
 }
