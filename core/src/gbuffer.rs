@@ -44,8 +44,12 @@ pub struct ViewParams {
     pub pixel_width: f32,
     /// 2 / height
     pub pixel_height: f32,
-    /// Nothing: fills the last vector of four.
-    pub padding: [u32; 2],
+    /// Where in a pixel its surface is seen: x and y, in 0..=1, downwards.
+    pub place: [f32; 2],
+    /// Largest error of that place, in pixels.
+    pub place_error: f32,
+    /// Triangles of the frame.
+    pub triangles: u32,
     /// Columns of the inverse view-projection matrix: clip space, with x and y in −1..=1, y up, → world.
     pub unproject: [[f32; 4]; 4],
 }
@@ -180,21 +184,25 @@ fn receiver(params: &ViewParams, position: Vec3, Upwards { axis, sign }: Upwards
     }
 }
 
-/// World position of a pixel's centre at a depth, and a bound on the error of each of its coordinates.
+/// World position of a pixel at a depth, and a bound on the error of each of its coordinates.
 ///
 /// Let `E` be the error of a homogeneous coordinate `v`, and `p = v/w`. Then `|δp| ≤ (E + |p|·E_w) / (|w| − E_w)`, and the
 /// division adds its own rounding. `E` counts 8 roundings against the sum over absolute values (products, sums and the
-/// matrix' own), 4 of the pixel's place, and what the depth was rounded by.
+/// matrix' own), 4 of the pixel's place, what the depth was rounded by, and how far from its place the rasteriser took it:
+/// vertices are moved to a grid finer than pixels, and a triangle's inside moves no further than they do.
 #[inline]
 pub fn unproject(params: &ViewParams, x: u32, y: u32, depth: f32) -> (Vec3, f32) {
     const EPSILON: f32 = f32::EPSILON;
-    let place = [(x as f32 + 0.5) * params.pixel_width - 1.0, 1.0 - (y as f32 + 0.5) * params.pixel_height];
+    let [x, y] = [x as f32 + params.place[0], y as f32 + params.place[1]];
+    let place = [x * params.pixel_width - 1.0, 1.0 - y * params.pixel_height];
+    let moved = [params.place_error * params.pixel_width, params.place_error * params.pixel_height];
     let depth_error = depth.abs() * params.depth_error + params.depth_quantum;
     let [a, b, c, d] = params.unproject;
     let row = |r: usize| {
         let terms = Vec4::new(a[r] * place[0], b[r] * place[1], c[r] * depth, d[r]);
         let sum = terms.x.abs() + terms.y.abs() + terms.z.abs() + terms.w.abs();
-        let error = EPSILON * (8.0 * sum + 4.0 * (a[r].abs() + b[r].abs())) + c[r].abs() * depth_error;
+        let (a, b) = (a[r].abs(), b[r].abs());
+        let error = EPSILON * (8.0 * sum + 4.0 * (a + b)) + (a * moved[0] + b * moved[1]) + c[r].abs() * depth_error;
         (terms.x + terms.y + terms.z + terms.w, error)
     };
     let ((x, ex), (y, ey), (z, ez), (w, ew)) = (row(0), row(1), row(2), row(3));
@@ -207,6 +215,6 @@ pub fn unproject(params: &ViewParams, x: u32, y: u32, depth: f32) -> (Vec3, f32)
     let (ex, ey, ez) = (off(p.x, ex), off(p.y, ey), off(p.z, ez));
     let largest = if ex > ey { ex } else { ey };
     let largest = if ez > largest { ez } else { largest };
-    // A little more for the arithmetic of the bound; where w may be 0, there is no point.
-    if rest > 0.0 { (p, 1.0001 * largest) } else { (p, f32::MAX) }
+    // A little more for the arithmetic of the bound; where w may be 0, or nearly, there is no point.
+    if rest > 0.01 * w.abs() { (p, 1.001 * largest) } else { (p, f32::MAX) }
 }

@@ -32,10 +32,10 @@ impl Lift {
         if ulps >= 1 && ulps <= 8 { Some(Self(3 * 32 * ulps as i32 + 3 + 1)) } else { None }
     }
 
-    /// Positions whose coordinates are off by up to `error` lattice units, which is at least 0.
+    /// Positions whose coordinates are off by up to `error` lattice units, in `0.0..2^26`. (The error's own bound has more to
+    /// spare than the product rounds away.)
     #[inline]
-    pub fn off_by(error: f32) -> Self {
-        // Rounded up by the cast and one more.
+    pub(crate) fn off_by(error: f32) -> Self {
         Self((3.0 * error) as i32 + 1 + 3 + 1)
     }
 

@@ -197,25 +197,78 @@ pub(crate) struct CheckedView {
     pub(crate) params: ViewParams,
 }
 
-/// Width, height and samples of a texture that can be bound; of floats, or of integers.
-fn texture(view: &TextureView, field: &str, integers: bool) -> Result<[u32; 3], GpuError> {
+/// What a texture of a G-buffer holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Holds {
+    Positions,
+    Depths,
+    Normals,
+    Triangles,
+}
+
+impl Holds {
+    fn fits(self, format: TextureFormat) -> bool {
+        use TextureFormat::{R32Float, Rg32Float, Rgba16Float, Rgba32Float};
+        match self {
+            Self::Positions => matches!(format, Rgba32Float | Rgba16Float),
+            Self::Depths => format.has_depth_aspect() || matches!(format, R32Float | Rg32Float | Rgba32Float),
+            Self::Normals => {
+                !format.is_depth_stencil_format()
+                    && matches!(format.sample_type(None, None), Some(TextureSampleType::Float { .. }))
+            }
+            Self::Triangles => {
+                !format.is_depth_stencil_format() && format.sample_type(None, None) == Some(TextureSampleType::Uint)
+            }
+        }
+    }
+
+    fn needs(self) -> &'static str {
+        match self {
+            Self::Positions => "Rgba32Float or Rgba16Float is needed",
+            Self::Depths => "a depth format, or one of 32-bit floats, is needed",
+            Self::Normals => "a float or normalised format is needed",
+            Self::Triangles => "a format of unsigned integers is needed",
+        }
+    }
+}
+
+/// Width, height and samples of a texture that can be bound.
+fn texture(view: &TextureView, field: &str, holds: Holds) -> Result<[u32; 3], GpuError> {
     let texture = view.texture();
     let usage = texture.usage();
     let usable = usage.contains(TextureUsages::TEXTURE_BINDING);
     check(usable, field, "usage", format!("{usage:?}"), "it needs TEXTURE_BINDING")?;
     let dimension = texture.dimension();
     check(dimension == TextureDimension::D2, field, "dimension", format!("{dimension:?}"), "it has to be D2")?;
+    let levels = texture.mip_level_count();
+    check(levels == 1, field, "mip_level_count", levels, "it has to be 1")?;
     let format = texture.format();
-    let kind =
-        format.sample_type(Some(wgpu::TextureAspect::DepthOnly), None).or_else(|| format.sample_type(None, None));
-    let float = matches!(kind, Some(TextureSampleType::Float { .. } | TextureSampleType::Depth));
-    let fits = if integers { kind == Some(TextureSampleType::Uint) } else { float };
-    let needs = match integers {
-        true => "it has to be a format of unsigned integers",
-        false => "it has to be a float, normalised or depth format",
-    };
-    check(fits, field, "format", format!("{format:?}"), needs)?;
+    check(holds.fits(format), field, "format", format!("{format:?}"), holds.needs())?;
     Ok([texture.width(), texture.height(), texture.sample_count()])
+}
+
+/// Where in a pixel a sample lies: the standard places, those of Vulkan and of all others.
+fn sample_place(samples: u32, sample: u32) -> Option<[f32; 2]> {
+    const TWO: [[f32; 2]; 2] = [[0.75, 0.75], [0.25, 0.25]];
+    const FOUR: [[f32; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]];
+    const EIGHT: [[f32; 2]; 8] = [
+        [0.5625, 0.3125],
+        [0.4375, 0.6875],
+        [0.8125, 0.5625],
+        [0.3125, 0.1875],
+        [0.1875, 0.8125],
+        [0.0625, 0.4375],
+        [0.6875, 0.9375],
+        [0.9375, 0.0625],
+    ];
+    let places: &[[f32; 2]] = match samples {
+        1 => &[[0.5; 2]],
+        2 => &TWO,
+        4 => &FOUR,
+        8 => &EIGHT,
+        _ => &[],
+    };
+    places.get(sample as usize).copied()
 }
 
 /// Largest error of a depth beside the relative one: that of its format.
@@ -228,15 +281,18 @@ fn depth_quantum(format: TextureFormat) -> f32 {
 }
 
 pub(crate) fn gbuffer(snap: SnapParams, gbuffer: &GBuffer<'_>) -> Result<CheckedView, GpuError> {
-    let (view, depths) = match gbuffer.surface {
-        Surface::Positions { view, .. } => (view, false),
-        Surface::Depths { view, .. } => (view, true),
+    let (view, holds) = match gbuffer.surface {
+        Surface::Positions { view, .. } => (view, Holds::Positions),
+        Surface::Depths { view, .. } => (view, Holds::Depths),
     };
-    let [width, height, samples] = texture(view, "gbuffer.surface.view", false)?;
-    let others = [("gbuffer.normals", Some(gbuffer.normals), false), ("gbuffer.triangles", gbuffer.triangles, true)];
-    for (field, view, integers) in others {
+    let [width, height, samples] = texture(view, "gbuffer.surface.view", holds)?;
+    let others = [
+        ("gbuffer.normals", Some(gbuffer.normals), Holds::Normals),
+        ("gbuffer.triangles", gbuffer.triangles, Holds::Triangles),
+    ];
+    for (field, view, holds) in others {
         let Some(view) = view else { continue };
-        let size = texture(view, field, integers)?;
+        let size = texture(view, field, holds)?;
         if size != [width, height, samples] {
             let value = format!("{size:?} (width, height, samples)");
             return refuse(field, value, "it has to be as large as the surface, with as many samples");
@@ -258,14 +314,26 @@ pub(crate) fn gbuffer(snap: SnapParams, gbuffer: &GBuffer<'_>) -> Result<Checked
         depth_quantum: 0.0,
         pixel_width: 2.0 / width as f32,
         pixel_height: 2.0 / height as f32,
-        padding: [0; 2],
+        place: [0.5; 2],
+        place_error: 0.0,
+        triangles: 0,
         unproject: Mat4::IDENTITY.to_cols_array_2d(),
     };
     match gbuffer.surface {
-        Surface::Positions { lift, .. } => params.lift = lift.steps(),
-        Surface::Depths { view, unproject, empty, ulps } => {
+        Surface::Positions { lift, .. } => {
+            let halves = view.texture().format() == TextureFormat::Rgba16Float;
+            params.lift = lift.steps() * if halves { 1 << 13 } else { 1 };
+        }
+        Surface::Depths { view, unproject, empty, ulps, subpixel_bits } => {
             check(unproject.is_finite(), "gbuffer.surface", "unproject", unproject, "all of it has to be finite")?;
             check(ulps <= 1 << 20, "gbuffer.surface", "ulps", ulps, "that is no depth any more")?;
+            let bits = (1..=23).contains(&subpixel_bits);
+            check(bits, "gbuffer.surface", "subpixel_bits", subpixel_bits, "it has to be in 1..=23")?;
+            let Some(place) = sample_place(samples, gbuffer.sample) else {
+                return refuse("gbuffer.surface.view.sample_count", samples, "where its samples lie is not known");
+            };
+            params.place = place;
+            params.place_error = 0.5 / (1_u32 << subpixel_bits) as f32;
             params.empty_depth = empty;
             params.depth_error = ulps as f32 * f32::EPSILON;
             params.depth_quantum = depth_quantum(view.texture().format());
@@ -276,7 +344,7 @@ pub(crate) fn gbuffer(snap: SnapParams, gbuffer: &GBuffer<'_>) -> Result<Checked
         surface: Resource::Texture(view.clone()),
         normals: Resource::Texture(gbuffer.normals.clone()),
         triangles: gbuffer.triangles.map(|view| Resource::Texture(view.clone())),
-        depths,
+        depths: holds == Holds::Depths,
         multisampled: samples > 1,
         size: [width, height],
         params,
@@ -284,7 +352,12 @@ pub(crate) fn gbuffer(snap: SnapParams, gbuffer: &GBuffer<'_>) -> Result<Checked
 }
 
 /// Where an image of visibility goes.
-pub(crate) fn image(image: &Image<'_>, [width, height]: [u32; 2], field: &str) -> Result<VisibilityFormat, GpuError> {
+pub(crate) fn image(
+    device: &Device,
+    image: &Image<'_>,
+    [width, height]: [u32; 2],
+    field: &str,
+) -> Result<VisibilityFormat, GpuError> {
     let field = format!("{field}.visibility");
     match image {
         Image::Texture { texture, layer } => {
@@ -313,6 +386,10 @@ pub(crate) fn image(image: &Image<'_>, [width, height]: [u32; 2], field: &str) -
             let bytes = 4 * u64::from(format.words(width)) * u64::from(height);
             let size = format!("{} bytes long", buffer.size());
             check(buffer.size() >= bytes, &field, "buffer", size, "the image does not fit it")?;
+            let limit = device.limits().max_storage_buffer_binding_size;
+            if bytes > limit {
+                return Err(GpuError::TooLarge { what: "an image of visibility", bytes, limit });
+            }
             Ok(*format)
         }
     }

@@ -51,7 +51,7 @@ pub enum GpuError {
         /// What it was asked for.
         doing: &'static str,
     },
-    /// wgpu refuses a call.
+    /// wgpu refuses a call, or the driver does.
     #[error("wgpu refuses to {doing}: {reason}")]
     Refused {
         /// What was asked for.
@@ -117,13 +117,15 @@ pub enum GpuError {
 /// Catches what wgpu would else panic with.
 pub(crate) fn guarded<T>(device: &Device, doing: &'static str, work: impl FnOnce() -> T) -> Result<T, GpuError> {
     let memory = device.push_error_scope(ErrorFilter::OutOfMemory);
+    let internal = device.push_error_scope(ErrorFilter::Internal);
     let validation = device.push_error_scope(ErrorFilter::Validation);
     let done = work();
     let refused = pollster::block_on(validation.pop());
+    let failed = pollster::block_on(internal.pop());
     let exhausted = pollster::block_on(memory.pop());
-    match (exhausted, refused) {
+    match (exhausted, refused.or(failed)) {
         (Some(_), _) => Err(GpuError::OutOfMemory { doing }),
-        (_, Some(error)) => Err(GpuError::Refused { doing, reason: error.to_string() }),
-        _ => Ok(done),
+        (None, Some(error)) => Err(GpuError::Refused { doing, reason: error.to_string() }),
+        (None, None) => Ok(done),
     }
 }

@@ -85,16 +85,18 @@ pub struct Instances<'a> {
 }
 
 /// What is seen through each pixel. The textures' usage has `TEXTURE_BINDING`; all have the same size and number of
-/// samples; the views are of one layer, and of the first mip level.
+/// samples, and one mip level; views are of one layer.
 #[derive(Clone, Copy, Debug)]
 pub struct GBuffer<'a> {
     /// Where the surfaces are.
     pub surface: Surface<'a>,
-    /// Normals of the surfaces, world space, towards the side that is seen.
+    /// Normals of the surfaces, world space, towards the side that is seen. Geometric ones: along the axis that is longest in
+    /// them a receiver is lifted off its surface, so one that is smoothed or mapped has to have the same longest axis, or
+    /// `triangles` to be given.
     pub normals: &'a TextureView,
     /// How they are stored.
     pub encoding: NormalEncoding,
-    /// The triangles that are seen, in an integer format: one more than their index among all of the frame's (mesh by mesh,
+    /// The triangles that are seen, in a format of unsigned integers: one more than their index among all of the frame's (mesh by mesh,
     /// instance by instance), 0 where it is none of them. Receivers are lifted along the exact normals of these then, and
     /// `normals` only tell the side.
     pub triangles: Option<&'a TextureView>,
@@ -107,22 +109,26 @@ pub struct GBuffer<'a> {
 pub enum Surface<'a> {
     /// Stored world positions.
     Positions {
-        /// x, y, z, f32; a fourth component of 0 where nothing is seen.
+        /// `Rgba32Float`, or `Rgba16Float`: x, y, z; and 0 where nothing is seen.
         view: &'a TextureView,
-        /// How they were rounded: [`Lift::f32_positions_off_by`] a few units in the last place, as interpolation gives.
+        /// How they were rounded: [`Lift::f32_positions_off_by`] a few units in the last place, as interpolation gives. The
+        /// units of half floats are 8192 times larger, and so are the lifts.
         lift: Lift,
     },
     /// Stored depths. How far surfaces are lifted follows from the error of each pixel's unprojection.
     Depths {
-        /// Depth, of any depth format or in the first component of a float format; a view of the depth aspect alone.
+        /// Depth, in a depth format (a view of the depth aspect alone), or in the first component of one of 32-bit floats.
         view: &'a TextureView,
         /// The inverse of the view-projection matrix: clip space, with x and y in −1..=1 and y up, → world. Best computed
         /// in f64: only its rounding to f32 is counted as an error.
         unproject: DMat4,
         /// Depth where nothing is seen.
         empty: f32,
-        /// Units in the last place by which depths may be off, from the vertex stage and interpolation: 4 is usual.
+        /// Units in the last place by which depths may be off, from the vertex stage and interpolation: 4 is usual. Depths
+        /// that are interpolated between a near and a far vertex are off by units of the near one's.
         ulps: u32,
+        /// Bits of the grid within a pixel to which the rasteriser moves vertices: 8 on desktop GPUs, at least 4 on Vulkan.
+        subpixel_bits: u32,
     },
 }
 

@@ -1,9 +1,13 @@
 //! Steps of a run, collected first: parameters of all dispatches go into one buffer, then everything is encoded.
 //!
-//! What a run needed is kept: where the next one asks for the same kernels over the same resources, as frame after frame
-//! does, nothing is allocated and no bind group is made.
+//! What a run needed is kept: where another asks for the same kernels over the same resources, as frame after frame does,
+//! no object is made on the device.
 
-use std::{num::NonZero, sync::Arc};
+use std::{
+    collections::{HashMap, hash_map::Entry},
+    num::NonZero,
+    sync::Arc,
+};
 
 use umbra4_core::{
     kernel::{Kernel, WORKGROUP},
@@ -19,6 +23,7 @@ use wgpu::{
 
 use crate::{
     GpuError,
+    error::guarded,
     pipelines::{Loading, Pipeline, Pipelines},
     timing::Timing,
 };
@@ -29,7 +34,7 @@ const SLOT: usize = 256;
 const CHUNK: u64 = 1 << 16;
 
 /// What a kernel is bound to.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Resource {
     /// A whole buffer.
     Buffer(Buffer),
@@ -56,16 +61,27 @@ impl Resource {
     }
 }
 
-/// A kernel over resources; its parameters may be others every time.
+/// A kernel over resources.
+type Bound = (Kernel, Vec<Resource>);
+
+/// Encodings after which a bind group that none of them used is let go, with the resources that it holds.
+const AGE: u64 = 64;
+
+/// A bind group, and the encoding that used it last.
+#[derive(Debug)]
+struct Group {
+    group: BindGroup,
+    used: u64,
+}
+
+/// A kernel to be run.
 #[derive(Debug)]
 struct Dispatch {
-    kernel: Kernel,
-    bound: Vec<Resource>,
+    bound: Bound,
     stage: Stage,
     pipeline: Arc<Pipeline>,
     groups: [u32; 2],
     params: [u8; SLOT],
-    group: Option<BindGroup>,
 }
 
 #[derive(Debug)]
@@ -83,7 +99,8 @@ pub(crate) struct Recorder {
     pipelines: Pipelines,
     stage: Stage,
     steps: Vec<Step>,
-    used: usize,
+    groups: HashMap<Bound, Group>,
+    encodings: u64,
     slots: Option<Buffer>,
     belt: StagingBelt,
     timing: Option<Timing>,
@@ -96,7 +113,8 @@ impl Recorder {
             pipelines: Pipelines::new(loading),
             stage: Stage::SnapVertices,
             steps: Vec::new(),
-            used: 0,
+            groups: HashMap::new(),
+            encodings: 0,
             slots: None,
             belt: StagingBelt::new(device.clone(), CHUNK),
             timing,
@@ -122,7 +140,7 @@ impl Recorder {
 
     /// Forgets the steps of a run that was not encoded; what it needed is kept.
     pub(crate) fn restart(&mut self) {
-        self.used = 0;
+        self.steps.clear();
     }
 
     /// A kernel for the ids `0..params.count()`, over resources in the order of the table of kernels.
@@ -142,56 +160,127 @@ impl Recorder {
         let rows = count.div_ceil(columns * WORKGROUP);
         let mut bytes = [0; SLOT];
         bytes[..size_of::<P>()].copy_from_slice(bytemuck::bytes_of(&params.with_row(columns * WORKGROUP)));
-        let (stage, groups) = (self.stage, [columns, rows]);
-        if let Some(Step::Dispatch(known)) = self.steps.get_mut(self.used)
-            && known.kernel == kernel
-            && known.bound == bound
-        {
-            (known.stage, known.groups, known.params) = (stage, groups, bytes);
-            self.used += 1;
-            return Ok(());
-        }
         let pipeline = self.pipelines.get(&self.device, kernel)?;
-        let bound = bound.to_vec();
-        let dispatch = Dispatch { kernel, bound, stage, pipeline, groups, params: bytes, group: None };
-        self.put(Step::Dispatch(Box::new(dispatch)));
+        self.steps.push(Step::Dispatch(Box::new(Dispatch {
+            bound: (kernel, bound.to_vec()),
+            stage: self.stage,
+            pipeline,
+            groups: [columns, rows],
+            params: bytes,
+        })));
         Ok(())
     }
 
     /// Zeros in a buffer, from byte `from` on.
     pub(crate) fn clear(&mut self, buffer: &Buffer, from: u64) {
-        self.put(Step::Clear { buffer: buffer.clone(), from });
+        self.steps.push(Step::Clear { buffer: buffer.clone(), from });
     }
 
     /// Bytes of a buffer, from a byte on, go to another.
     pub(crate) fn copy(&mut self, from: (&Buffer, u64), to: (&Buffer, u64), bytes: u64) {
-        self.put(Step::Copy { from: (from.0.clone(), from.1), to: (to.0.clone(), to.1), bytes });
+        self.steps.push(Step::Copy { from: (from.0.clone(), from.1), to: (to.0.clone(), to.1), bytes });
     }
 
     /// Rows of `pitch` bytes go to a layer of a texture.
     pub(crate) fn copy_image(&mut self, from: &Buffer, pitch: u32, to: &Texture, layer: u32) {
-        self.put(Step::Image { from: from.clone(), pitch, to: to.clone(), layer });
+        self.steps.push(Step::Image { from: from.clone(), pitch, to: to.clone(), layer });
     }
 
-    fn put(&mut self, step: Step) {
-        match self.steps.get_mut(self.used) {
-            Some(place) => *place = step,
-            None => self.steps.push(step),
-        }
-        self.used += 1;
+    /// Makes what encoding needs, and forgets the steps.
+    pub(crate) fn prepare(&mut self) -> Result<(), GpuError> {
+        let made = self.make();
+        self.steps.clear();
+        made
     }
 
-    /// Encodes all steps. They must be submitted in the order in which they were encoded.
+    /// Encodes all steps, or nothing where an error is returned. They must be submitted in the order in which they were encoded.
     pub(crate) fn encode(&mut self, encoder: &mut CommandEncoder) -> Result<(), GpuError> {
-        // What the last run had beyond this one is let go, with the resources that it holds.
-        self.steps.truncate(self.used);
-        self.used = 0;
-        let dispatches = self.steps.iter().filter(|step| matches!(step, Step::Dispatch(_))).count();
-        self.write_params(encoder, dispatches * SLOT)?;
-        if let Some(timing) = &mut self.timing {
+        let encoded = self.make().and_then(|()| self.write_params(encoder));
+        if encoded.is_ok() {
+            self.put(encoder);
+        }
+        self.steps.clear();
+        encoded
+    }
+
+    fn dispatches(&self) -> impl Iterator<Item = &Dispatch> {
+        self.steps.iter().filter_map(|step| match step {
+            Step::Dispatch(dispatch) => Some(&**dispatch),
+            _ => None,
+        })
+    }
+
+    /// The buffer of the parameters, and the bind groups of all dispatches.
+    fn make(&mut self) -> Result<(), GpuError> {
+        self.encodings += 1;
+        let bytes = (self.dispatches().count() * SLOT) as u64;
+        if self.slots.as_ref().is_none_or(|slots| slots.size() < bytes) {
+            let slots = guarded(&self.device, "allocates parameters", || {
+                self.device.create_buffer(&BufferDescriptor {
+                    label: Some("umbra4 parameters"),
+                    size: bytes.max(CHUNK).next_power_of_two(),
+                    usage: BufferUsages::STORAGE | BufferUsages::COPY_DST,
+                    mapped_at_creation: false,
+                })
+            })?;
+            self.groups.clear();
+            self.slots = Some(slots);
+        }
+        let Self { device, steps, groups, encodings, slots, .. } = self;
+        let Some(slots) = slots else { return Ok(()) };
+        groups.retain(|_, group| group.used + AGE > *encodings);
+        for step in steps {
+            let Step::Dispatch(dispatch) = step else { continue };
+            match groups.entry(dispatch.bound.clone()) {
+                Entry::Occupied(mut known) => known.get_mut().used = *encodings,
+                Entry::Vacant(place) => {
+                    place.insert(Group { group: bind(device, slots, dispatch)?, used: *encodings });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings the parameters of all dispatches to the device, in the order of the encoder.
+    fn write_params(&mut self, encoder: &mut CommandEncoder) -> Result<(), GpuError> {
+        let bytes = self.dispatches().count() * SLOT;
+        let (Some(slots), Some(size)) = (&self.slots, BufferSize::new(bytes as u64)) else { return Ok(()) };
+        // Powers of two: frames that grow little by little take the same chunks.
+        let room = size.checked_next_power_of_two().unwrap_or(size);
+        let mut all = vec![0; bytes];
+        for (slot, dispatch) in all.chunks_exact_mut(SLOT).zip(self.dispatches()) {
+            slot.copy_from_slice(&dispatch.params);
+        }
+        let part = guarded(&self.device, "allocates a staging buffer", || {
+            let part = self.belt.allocate(room, const { NonZero::new(wgpu::COPY_BUFFER_ALIGNMENT).unwrap() });
+            let view = part.get_mapped_range_mut();
+            view.map(|mut view| {
+                view.slice(..bytes).copy_from_slice(&all);
+                (part.buffer().clone(), part.offset())
+            })
+        });
+        let lost = |reason: String| GpuError::Lost { doing: "maps a staging buffer", reason };
+        match part.and_then(|part| part.map_err(|error| lost(error.to_string()))) {
+            Ok((buffer, offset)) => {
+                encoder.copy_buffer_to_buffer(&buffer, offset, slots, 0, size.get());
+                self.belt.finish_and_recall_on_submit(encoder);
+                Ok(())
+            }
+            Err(error) => {
+                // What it holds may not be usable.
+                self.belt = StagingBelt::new(self.device.clone(), CHUNK);
+                Err(error)
+            }
+        }
+    }
+
+    /// Puts all steps into the encoder.
+    fn put(&mut self, encoder: &mut CommandEncoder) {
+        let Self { steps, groups, timing, .. } = self;
+        if let Some(timing) = timing {
             timing.begin();
         }
-        let mut steps = self.steps.iter_mut().peekable();
+        let mut steps = steps.iter().peekable();
         let mut place = 0;
         while let Some(step) = steps.next() {
             match step {
@@ -201,84 +290,57 @@ impl Recorder {
                 }
                 Step::Image { from, pitch, to, layer } => copy_image(encoder, from, *pitch, to, *layer),
                 Step::Dispatch(first) => {
-                    let Some(slots) = &self.slots else { continue };
                     let stage = first.stage;
-                    let timestamp_writes = self.timing.as_mut().and_then(|timing| timing.writes(stage));
+                    let timestamp_writes = timing.as_mut().and_then(|timing| timing.writes(stage));
                     let timed = timestamp_writes.is_some();
                     let label = if timed { stage.info().name } else { "umbra4" };
                     let mut pass =
                         encoder.begin_compute_pass(&ComputePassDescriptor { label: Some(label), timestamp_writes });
-                    dispatch(&mut pass, &self.device, slots, first, &mut place);
+                    dispatch(&mut pass, groups, first, &mut place);
                     while let Some(Step::Dispatch(next)) = steps.next_if(|step| match step {
                         Step::Dispatch(next) => !timed || next.stage == stage,
                         _ => false,
                     }) {
-                        dispatch(&mut pass, &self.device, slots, next, &mut place);
+                        dispatch(&mut pass, groups, next, &mut place);
                     }
                 }
             }
         }
-        if let Some(timing) = &self.timing {
+        if let Some(timing) = timing {
             timing.end(encoder);
         }
-        Ok(())
-    }
-
-    /// Brings the parameters of all dispatches to the device, in the order of the encoder.
-    fn write_params(&mut self, encoder: &mut CommandEncoder, bytes: usize) -> Result<(), GpuError> {
-        let Some(size) = BufferSize::new(bytes as u64) else { return Ok(()) };
-        let large_enough = self.slots.as_ref().is_some_and(|slots| slots.size() >= size.get());
-        if !large_enough {
-            self.slots = Some(self.device.create_buffer(&BufferDescriptor {
-                label: Some("umbra4 parameters"),
-                size: size.get().next_power_of_two(),
-                usage: BufferUsages::STORAGE | BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            }));
-            for step in &mut self.steps {
-                if let Step::Dispatch(dispatch) = step {
-                    dispatch.group = None;
-                }
-            }
-        }
-        let Some(slots) = &self.slots else { return Ok(()) };
-        let part = self.belt.allocate(size, const { NonZero::new(wgpu::COPY_BUFFER_ALIGNMENT).unwrap() });
-        encoder.copy_buffer_to_buffer(part.buffer(), part.offset(), slots, 0, size.get());
-        let lost = |reason: String| GpuError::Lost { doing: "maps a staging buffer", reason };
-        let mut view = part.get_mapped_range_mut().map_err(|error| lost(error.to_string()))?;
-        let mut place = 0;
-        for step in &self.steps {
-            if let Step::Dispatch(dispatch) = step {
-                view.slice(place..place + SLOT).copy_from_slice(&dispatch.params);
-                place += SLOT;
-            }
-        }
-        drop(view);
-        self.belt.finish_and_recall_on_submit(encoder);
-        Ok(())
     }
 }
 
-fn dispatch(pass: &mut ComputePass<'_>, device: &Device, slots: &Buffer, own: &mut Dispatch, place: &mut usize) {
-    let Dispatch { kernel, bound, pipeline, groups, group, .. } = own;
-    let group = group.get_or_insert_with(|| {
-        let size = BufferSize::new(kernel.info().params.size() as u64);
-        let params = BindingResource::Buffer(BufferBinding { buffer: slots, offset: 0, size });
-        let entries: Vec<BindGroupEntry<'_>> = [params]
-            .into_iter()
-            .chain(bound.iter().map(Resource::binding))
-            .enumerate()
-            .map(|(binding, resource)| BindGroupEntry { binding: binding as u32, resource })
-            .collect();
+fn bind(device: &Device, slots: &Buffer, Dispatch { bound, pipeline, .. }: &Dispatch) -> Result<BindGroup, GpuError> {
+    let (kernel, resources) = bound;
+    let info = kernel.info();
+    let params = BindingResource::Buffer(BufferBinding {
+        buffer: slots,
+        offset: 0,
+        size: BufferSize::new(info.params.size() as u64),
+    });
+    let entries: Vec<BindGroupEntry<'_>> = [params]
+        .into_iter()
+        .chain(resources.iter().map(Resource::binding))
+        .enumerate()
+        .map(|(binding, resource)| BindGroupEntry { binding: binding as u32, resource })
+        .collect();
+    guarded(device, info.name, || {
         device.create_bind_group(&BindGroupDescriptor {
-            label: Some(kernel.info().name),
+            label: Some(info.name),
             layout: &pipeline.layout,
             entries: &entries,
         })
-    });
-    pass.set_pipeline(&pipeline.pipeline);
-    pass.set_bind_group(0, &*group, &[(*place * SLOT) as u32]);
-    pass.dispatch_workgroups(groups[0], groups[1], 1);
+    })
+}
+
+fn dispatch(pass: &mut ComputePass<'_>, groups: &HashMap<Bound, Group>, own: &Dispatch, place: &mut usize) {
+    // All are made before anything is encoded.
+    let Some(Group { group, .. }) = groups.get(&own.bound) else { return };
+    pass.set_pipeline(&own.pipeline.pipeline);
+    pass.set_bind_group(0, group, &[(*place * SLOT) as u32]);
+    pass.dispatch_workgroups(own.groups[0], own.groups[1], 1);
     *place += 1;
 }
 

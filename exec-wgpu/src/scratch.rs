@@ -27,9 +27,13 @@ impl Scratch {
         let size = known.map_or(bytes, |buffer| bytes.max(buffer.size() / 8 * 12).min(limit));
         let size = size / wgpu::COPY_BUFFER_ALIGNMENT * wgpu::COPY_BUFFER_ALIGNMENT;
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC | BufferUsages::COPY_DST;
-        let buffer = guarded(device, "allocates a buffer", || {
-            device.create_buffer(&BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false })
-        })?;
+        let allocate = |size| {
+            guarded(device, "allocates a buffer", || {
+                device.create_buffer(&BufferDescriptor { label: Some(what), size, usage, mapped_at_creation: false })
+            })
+        };
+        // Near the end of the memory, what is asked for and no more.
+        let buffer = allocate(size).or_else(|_| allocate(bytes))?;
         self.0.insert(what, buffer.clone());
         Ok(buffer)
     }

@@ -1,6 +1,6 @@
 //! Soft shadows within an engine's frame: recorded into its encoder, over its buffers and textures.
 
-use std::{collections::HashMap, mem::offset_of};
+use std::{collections::HashMap, mem::offset_of, num::NonZero};
 
 use umbra4_core::{
     IndexKind, Lattice, LatticeLight, Plan, Precision, SceneFacts,
@@ -36,8 +36,9 @@ const PITCH: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / 4;
 
 /// Soft shadows for an engine. It keeps what frames have in common: pipelines, buffers, bind groups.
 ///
-/// A frame is recorded, not run: nothing waits and nothing is read back, and once frames no longer grow, nothing is
-/// allocated. Frames have to be submitted in the order in which they were recorded.
+/// A frame is recorded, not run: nothing waits and nothing is read back. Over resources that earlier frames had too, and
+/// with no more elements than they had, a frame makes no object on the device. Frames have to be submitted in the order in
+/// which they were recorded.
 ///
 /// ```no_run
 /// use umbra4_core::{AreaLight, Bounds, Lift, gbuffer::NormalEncoding, glam::DVec3};
@@ -89,7 +90,7 @@ pub struct SoftShadows {
     snapped: Option<Snapped>,
 }
 
-/// The last frame on the lattice: the very integers for which its masks are exact. Vertices and receivers are i32 × 3, with
+/// The last frame on the lattice, until the next is recorded: the very integers for which its masks are exact. Vertices and receivers are i32 × 3, with
 /// `i32::MIN` in the place of those that take no part; triangles are u32 × 3, vertex indices.
 #[derive(Clone, Debug)]
 pub struct Snapped {
@@ -166,7 +167,7 @@ impl SoftShadows {
         self.snapped.as_ref()
     }
 
-    /// Waits for the last frame, which has been submitted, and tells the seconds of its stages. For tools: an engine does
+    /// Waits for the frame that was recorded last, which has to have been submitted, and tells the seconds of its stages. For tools: an engine does
     /// not wait. Empty where [`SoftShadows::time_stages`] was not called, or the device has no timestamps.
     ///
     /// # Errors
@@ -189,31 +190,47 @@ impl SoftShadows {
     ///
     /// # Errors
     /// Bounds that no lattice holds; a light that the lattice is too coarse for; a buffer or texture that cannot be used,
-    /// by name; more than the device can hold.
+    /// by name; a view that wgpu refuses; more than the device can hold.
     pub fn record(&mut self, encoder: &mut CommandEncoder, frame: &Frame<'_>) -> Result<(), GpuError> {
-        let device = self.device.clone();
+        let snapped = self.collect(frame)?;
+        self.recorder.encode(encoder)?;
+        self.snapped = snapped;
+        Ok(())
+    }
+
+    /// Makes everything that a frame like this needs, kernels above all, and records nothing: so that the first frame does not
+    /// have to wait for them.
+    ///
+    /// # Errors
+    /// As [`SoftShadows::record`].
+    pub fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), GpuError> {
+        self.collect(frame)?;
+        self.recorder.prepare()
+    }
+
+    /// Collects the steps of a frame. Returns what it will have on the lattice.
+    fn collect(&mut self, frame: &Frame<'_>) -> Result<Option<Snapped>, GpuError> {
         let lattice = Lattice::covering(frame.bounds)?;
         let corners = [frame.bounds.min, frame.bounds.max].map(|corner| lattice.snap_f64(corner));
         // A lattice around zero has parameters, and it holds the bounds that it was made for.
-        let (Some(snap), [Ok(low), Ok(high)]) = (lattice.snap_params(), corners) else { return Ok(()) };
-        let checked = Checked::new(&device, snap, &lattice, frame)?;
+        let (Some(snap), [Ok(low), Ok(high)]) = (lattice.snap_params(), corners) else { return Ok(None) };
+        let checked = Checked::new(&self.device, snap, &lattice, frame)?;
         self.recorder.restart();
-        guarded(&device, "records a frame", || {
-            self.collect(frame, &checked, [low, high])?;
-            self.recorder.encode(encoder)
-        })?
+        self.collect_lights(frame, &checked, [low, high])
     }
 
-    /// Collects the steps of a frame.
-    fn collect(&mut self, frame: &Frame<'_>, checked: &Checked, bounds: [IVec3; 2]) -> Result<(), GpuError> {
+    fn collect_lights(
+        &mut self,
+        frame: &Frame<'_>,
+        checked: &Checked,
+        bounds: [IVec3; 2],
+    ) -> Result<Option<Snapped>, GpuError> {
         self.recorder.set_stage(Stage::SnapVertices);
         self.recorder.clear(&self.status, 0);
         let mut first = true;
-        self.snapped = None;
-        for (light, own) in frame.lights.iter().zip(&checked.lights) {
-            if !checks::asks(light) {
-                continue;
-            }
+        let mut snapped = None;
+        for own in &checked.lights {
+            let light = &frame.lights[own.index];
             let layout = own.layout(self.precision, self.slice);
             let plan = Plan::new(SceneFacts {
                 new_vertices: if first { checked.vertices } else { 0 },
@@ -253,9 +270,9 @@ impl SoftShadows {
                 let size = size_of::<u32>() as u64;
                 self.recorder.copy((&buffers.masks, buffers.stopped()), (&self.status, place), size);
             }
-            self.snapped = Some(checked.snapped(&buffers));
+            snapped = Some(checked.snapped(&buffers));
         }
-        Ok(())
+        Ok(snapped)
     }
 
     /// Lit counts of all pixels from those of the blocks that have a receiver.
@@ -293,11 +310,13 @@ impl SoftShadows {
             }
             Image::Buffer { buffer, .. } => (words, (*buffer).clone()),
         };
+        let bytes = NonZero::new(4 * u64::from(pitch) * u64::from(height));
+        let image_part = bytes.map_or_else(|| (&target).into(), |bytes| Resource::Part(target.clone(), 0, bytes));
         let pass =
             PassParams { count: pitch * height, width, pitch, texels: format.pixels_a_word(), ..PassParams::default() };
         let params = <Params as bytemuck::Zeroable>::zeroed().with_pass(&pass);
         self.recorder.set_stage(Stage::Reduce);
-        self.recorder.add(Kernel::Pack, params, &[lit.into(), (&table).into(), (&target).into()])?;
+        self.recorder.add(Kernel::Pack, params, &[lit.into(), (&table).into(), image_part])?;
         if let Image::Texture { texture, layer } = image {
             self.recorder.copy_image(&target, 4 * pitch, texture, *layer);
         }
@@ -343,12 +362,15 @@ struct Checked {
 }
 
 struct CheckedLight {
+    /// Its place among the frame's lights.
+    index: usize,
     light: LatticeLight,
     format: Option<VisibilityFormat>,
 }
 
 impl CheckedLight {
     fn new(
+        device: &Device,
         lattice: &Lattice,
         index: usize,
         light: &Light<'_>,
@@ -358,8 +380,11 @@ impl CheckedLight {
         let field = checks::light_field(index);
         let snapped = light.light.snap(lattice, light.lift).map_err(|source| GpuError::Light { index, source })?;
         let image = light.visibility.as_ref();
-        let own =
-            Self { light: snapped, format: image.map(|image| checks::image(image, view.size, &field)).transpose()? };
+        let own = Self {
+            index,
+            light: snapped,
+            format: image.map(|image| checks::image(device, image, view.size, &field)).transpose()?,
+        };
         if let Some(masks) = light.masks {
             let stride = own.layout(Precision::Exact, u32::MAX).stride;
             checks::masks(masks, u64::from(pixels), stride, &field)?;
@@ -375,19 +400,21 @@ impl CheckedLight {
 impl Checked {
     fn new(device: &Device, snap: SnapParams, lattice: &Lattice, frame: &Frame<'_>) -> Result<Self, GpuError> {
         let meshes = checks::meshes(device, snap, frame.meshes)?;
-        let view = checks::gbuffer(snap, &frame.gbuffer)?;
+        let mut view = checks::gbuffer(snap, &frame.gbuffer)?;
         let pixels = checks::pixels(view.size)?;
         let thinned = frame.resolution == Resolution::Half;
         let receivers = if thinned { checks::pixels(view.size.map(halved))? } else { pixels };
-        let lights = frame.lights.iter().enumerate();
+        // A light that asks for nothing may be anything.
+        let lights = frame.lights.iter().enumerate().filter(|(_, light)| checks::asks(light));
         let lights = lights
-            .map(|(index, light)| CheckedLight::new(lattice, index, light, &view, receivers))
+            .map(|(index, light)| CheckedLight::new(device, lattice, index, light, &view, receivers))
             .collect::<Result<_, _>>()?;
-        let end = |base: u32, count: u32| base + count;
         let last = meshes.last();
+        let triangles = last.map_or(0, |mesh| mesh.params.triangle_base + mesh.all_triangles);
+        view.params.triangles = triangles;
         Ok(Self {
-            vertices: last.map_or(0, |mesh| end(mesh.params.vertex_base, mesh.all_vertices)),
-            triangles: last.map_or(0, |mesh| end(mesh.params.triangle_base, mesh.all_triangles)),
+            vertices: last.map_or(0, |mesh| mesh.params.vertex_base + mesh.all_vertices),
+            triangles,
             meshes,
             view,
             pixels,

@@ -37,14 +37,16 @@ fn params(camera: DMat4, lattice: &Lattice, ulps: u32) -> ViewParams {
         empty_depth: -1.0,
         pixel_width: 2.0 / SIZE[0] as f32,
         pixel_height: 2.0 / SIZE[1] as f32,
+        place: [0.5; 2],
         unproject: camera.inverse().as_mat4().to_cols_array_2d(),
         ..bytemuck::Zeroable::zeroed()
     }
 }
 
-/// The world point of a pixel's centre at a distance from the camera, and its depth.
-fn seen(camera: DMat4, [x, y]: [u32; 2], distance: f64) -> (DVec3, f64) {
-    let place = [(f64::from(x) + 0.5) / f64::from(SIZE[0]), (f64::from(y) + 0.5) / f64::from(SIZE[1])];
+/// The world point of a pixel, so much beside its middle, at a distance from the camera; and its depth.
+fn seen(camera: DMat4, [x, y]: [u32; 2], beside: [f64; 2], distance: f64) -> (DVec3, f64) {
+    let place =
+        [(f64::from(x) + 0.5 + beside[0]) / f64::from(SIZE[0]), (f64::from(y) + 0.5 + beside[1]) / f64::from(SIZE[1])];
     let inverse = camera.inverse();
     let at = |depth: f64| inverse.project_point3(DVec3::new(2.0 * place[0] - 1.0, 1.0 - 2.0 * place[1], depth));
     // Two depths that both projections have, and the ray through them.
@@ -63,10 +65,13 @@ proptest! {
         distance in 0.0..100.0_f64,
         ulps in prop_oneof![Just(1), Just(4), Just(1000)],
         wrong in prop_oneof![Just(-1.0), Just(0.0), Just(1.0), -1.0..1.0_f64],
+        moved in [-1.0..1.0_f64, -1.0..1.0_f64],
+        place_error in prop_oneof![Just(0.0_f32), Just(1.0 / 512.0), Just(0.5)],
     ) {
         let lattice = Lattice::covering(Bounds { min: DVec3::splat(-REACH), max: DVec3::splat(REACH) }).expect("finite");
-        let params = params(camera, &lattice, ulps);
-        let (point, depth) = seen(camera, pixel, distance);
+        let params = ViewParams { place_error, ..params(camera, &lattice, ulps) };
+        // The rasteriser sees the surface a little beside the middle of the pixel.
+        let (point, depth) = seen(camera, pixel, moved.map(|m| m * f64::from(place_error)), distance);
         prop_assume!(depth > 0.0 && depth < 1.0 && point.abs().max_element() < 4.0 * REACH);
         // Off by as much as is allowed, less the rounding to f32.
         let stored = (depth + wrong * (f64::from(ulps) - 0.5) * f64::from(f32::EPSILON) * depth) as f32;
@@ -84,7 +89,7 @@ proptest! {
     ) {
         let lattice = Lattice::covering(Bounds { min: DVec3::splat(-REACH), max: DVec3::splat(REACH) }).expect("finite");
         let params = params(camera, &lattice, 1);
-        let (point, depth) = seen(camera, pixel, distance);
+        let (point, depth) = seen(camera, pixel, [0.0; 2], distance);
         let axis = (0..3).max_by(|a, b| normal[*a].abs().total_cmp(&normal[*b].abs())).expect("three axes");
         prop_assume!(depth > 0.0 && depth < 1.0 && point.abs().max_element() < REACH && normal[axis].abs() > 0.1);
         let up = Upwards { axis, sign: if normal[axis] > 0.0 { 1 } else { -1 } };

@@ -101,7 +101,7 @@ pub fn dispatches<E>(
         Stage::OrderTriangles => {
             sort(pass.count, Role::TriangleOrder, &mut one)?;
             // Places beyond the last triangle are written too, up to the end of its node.
-            let places = pass.count.div_ceil(NODE as u32) * NODE as u32;
+            let places = pass.count.div_ceil(NODE as u32).saturating_mul(NODE as u32);
             let pass = PassParams { count: places, elements: pass.count, ..PassParams::default() };
             let roles = [
                 Role::Vertices,

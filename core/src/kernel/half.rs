@@ -43,6 +43,13 @@ pub fn upsample(
     let pixel = [id as u32 % params.width, id as u32 / params.width];
     let mut mean = 0;
     if let Some(own) = point(receivers, id) {
+        // Its own block first: where that is its own receiver, nothing is interpolated.
+        if let Some((half, _)) = neighbour(pixel, 0, [params.width, params.height])
+            && point(thinned, half as usize) == Some(own)
+        {
+            store(upsampled, id, fetch(lit, half as usize, 0));
+            return;
+        }
         let (mut nearest, mut k) = (f32::MAX, 0);
         while k < 4 {
             if let Some((half, _)) = neighbour(pixel, k, [params.width, params.height])

@@ -55,5 +55,5 @@ fn point(from: &[[i32; 3]], index: usize) -> Option<glam::IVec3> {
 /// The id of a thread: workgroups of a dispatch are laid out in rows, since a row is limited.
 #[inline(always)]
 pub fn id<P: Dispatched>(thread: [u32; 3], params: &P) -> usize {
-    (thread[1] * params.row() + thread[0]) as usize
+    thread[1].wrapping_mul(params.row()).wrapping_add(thread[0]) as usize
 }

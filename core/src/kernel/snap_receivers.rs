@@ -11,7 +11,7 @@ pub fn texel(id: usize, params: &ViewParams) -> Option<[u32; 2]> {
     if id >= params.count as usize || params.width == 0 {
         return None;
     }
-    let pixel = params.first + id as u32;
+    let pixel = params.first.wrapping_add(id as u32);
     Some([pixel % params.width, pixel / params.width])
 }
 
@@ -31,7 +31,11 @@ pub fn upwards_of(
     triangles: &[[u32; 3]],
 ) -> Upwards {
     let normal = decode_normal(params.normals, normal);
-    match corners(owner.wrapping_sub(1) as usize, vertices, triangles) {
+    // Beyond the frame's triangles may lie those of another.
+    if owner == 0 || owner > params.triangles {
+        return by_normal(normal);
+    }
+    match corners(owner as usize - 1, vertices, triangles) {
         Some(corners) => by_owner(corners, normal),
         None => by_normal(normal),
     }
@@ -68,6 +72,6 @@ fn put(id: usize, params: &ViewParams, pixel: Pixel, receivers: &mut [[i32; 3]])
     if let Pixel::Receiver(p) = pixel {
         point = [p.x, p.y, p.z];
     }
-    store(receivers, params.first as usize + id, point);
+    store(receivers, params.first.wrapping_add(id as u32) as usize, point);
     matches!(pixel, Pixel::Refused)
 }

@@ -18,8 +18,9 @@ fn float(words: &[u32], index: u32) -> f32 {
 
 #[inline(always)]
 fn position(params: &MeshParams, vertices: &[u32], vertex: u32) -> Vec3 {
-    let first = params.vertex_first + vertex * params.vertex_stride;
-    Vec3::new(float(vertices, first), float(vertices, first + 1), float(vertices, first + 2))
+    let first = params.vertex_first.wrapping_add(vertex.wrapping_mul(params.vertex_stride));
+    let (second, third) = (first.wrapping_add(1), first.wrapping_add(2));
+    Vec3::new(float(vertices, first), float(vertices, second), float(vertices, third))
 }
 
 #[inline(always)]
@@ -28,7 +29,7 @@ fn snap(id: usize, params: &MeshParams, world: Vec3, snapped: &mut [[i32; 3]]) -
     if let Some(p) = snap_point(&params.snap, world) {
         point = [p.x, p.y, p.z];
     }
-    store(snapped, params.vertex_base as usize + id, point);
+    store(snapped, params.vertex_base.wrapping_add(id as u32) as usize, point);
     point[0] == i32::MIN
 }
 
@@ -54,11 +55,11 @@ pub fn snap_instances(
         return false;
     }
     let (instance, vertex) = (id as u32 / params.vertices, id as u32 % params.vertices);
-    let first = params.instance_first + instance * params.instance_stride;
+    let first = params.instance_first.wrapping_add(instance.wrapping_mul(params.instance_stride));
     let mut matrix: Matrix = [[0.0; 4]; 4];
     let mut k = 0;
     while k < 16 {
-        matrix[k / 4][k % 4] = float(instances, first + k as u32);
+        matrix[k / 4][k % 4] = float(instances, first.wrapping_add(k as u32));
         k += 1;
     }
     snap(id, params, to_world(&matrix, position(params, vertices, vertex)), snapped)

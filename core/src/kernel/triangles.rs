@@ -11,24 +11,25 @@ const NONE: [u32; 3] = [u32::MAX; 3];
 /// The mesh's own vertex that corner `corner` names; `None` where there is no such vertex.
 #[inline(always)]
 fn indexed(params: &MeshParams, indices: &[u32], corner: u32) -> Option<u32> {
-    let place = params.index_first + corner;
+    let place = params.index_first.wrapping_add(corner);
     let index = if params.index_bits == 16 {
         let pair = fetch(indices, (place / 2) as usize, u32::MAX);
         if place & 1 == 0 { pair & 0xffff } else { pair >> 16 }
     } else {
         fetch(indices, place as usize, u32::MAX)
     };
-    // An index below the offset wraps round, and is too large then.
     let vertex = index.wrapping_add(params.index_offset as u32);
-    if vertex < params.vertices { Some(vertex) } else { None }
+    let wrapped = if params.index_offset < 0 { vertex > index } else { vertex < index };
+    if wrapped || vertex >= params.vertices { None } else { Some(vertex) }
 }
 
 #[inline(always)]
 fn triangle(params: &MeshParams, indices: &[u32], own: u32) -> Option<[u32; 3]> {
+    let first = own.wrapping_mul(3);
     Some([
-        indexed(params, indices, 3 * own)?,
-        indexed(params, indices, 3 * own + 1)?,
-        indexed(params, indices, 3 * own + 2)?,
+        indexed(params, indices, first)?,
+        indexed(params, indices, first.wrapping_add(1))?,
+        indexed(params, indices, first.wrapping_add(2))?,
     ])
 }
 
@@ -36,7 +37,7 @@ fn triangle(params: &MeshParams, indices: &[u32], own: u32) -> Option<[u32; 3]> 
 #[inline(always)]
 fn place(id: usize, params: &MeshParams) -> (u32, u32) {
     let (instance, own) = (id as u32 / params.triangles, id as u32 % params.triangles);
-    (params.vertex_base + instance * params.vertices, own)
+    (params.vertex_base.wrapping_add(instance.wrapping_mul(params.vertices)), own)
 }
 
 /// Triangle `id` of all instances of an indexed mesh. Returns whether it is refused.
@@ -48,9 +49,9 @@ pub fn index_triangles(id: usize, params: &MeshParams, indices: &[u32], triangle
     let (base, own) = place(id, params);
     let mut made = NONE;
     if let Some([a, b, c]) = triangle(params, indices, own) {
-        made = [base + a, base + b, base + c];
+        made = [base.wrapping_add(a), base.wrapping_add(b), base.wrapping_add(c)];
     }
-    store(triangles, params.triangle_base as usize + id, made);
+    store(triangles, params.triangle_base.wrapping_add(id as u32) as usize, made);
     made[0] == u32::MAX
 }
 
@@ -61,6 +62,7 @@ pub fn number_triangles(id: usize, params: &MeshParams, triangles: &mut [[u32; 3
         return;
     }
     let (base, own) = place(id, params);
-    let first = base + 3 * own;
-    store(triangles, params.triangle_base as usize + id, [first, first + 1, first + 2]);
+    let first = base.wrapping_add(own.wrapping_mul(3));
+    let made = [first, first.wrapping_add(1), first.wrapping_add(2)];
+    store(triangles, params.triangle_base.wrapping_add(id as u32) as usize, made);
 }

@@ -240,7 +240,13 @@ impl Renderer {
                 bounds: scene::bounds(),
                 meshes: &meshes,
                 gbuffer: GBuffer {
-                    surface: Surface::Depths { view: &self.targets.depths, unproject, empty: 0.0, ulps: 8 },
+                    surface: Surface::Depths {
+                        view: &self.targets.depths,
+                        unproject,
+                        empty: 0.0,
+                        ulps: 8,
+                        subpixel_bits: 8,
+                    },
                     normals: &self.targets.normals,
                     encoding: NormalEncoding::Signed,
                     triangles: None,

@@ -299,7 +299,7 @@ pub fn depths_are_unprojected(gpu: &Gpu) {
             instances: None,
         }];
         let gbuffer = GBuffer {
-            surface: Surface::Depths { view: &surface, unproject, empty: 0.0, ulps: 1 },
+            surface: Surface::Depths { view: &surface, unproject, empty: 0.0, ulps: 1, subpixel_bits: 8 },
             normals: &normals,
             encoding: NormalEncoding::Signed,
             triangles: None,
@@ -314,6 +314,8 @@ pub fn depths_are_unprojected(gpu: &Gpu) {
         depth_error: f32::EPSILON,
         pixel_width: 2.0 / SIZE[0] as f32,
         pixel_height: 2.0 / SIZE[1] as f32,
+        place: [0.5; 2],
+        place_error: 1.0 / 512.0,
         unproject: unproject.as_mat4().to_cols_array_2d(),
         snap: lattice().snap_params().expect("a lattice around zero"),
         ..bytemuck::Zeroable::zeroed()

@@ -17,7 +17,7 @@ use umbra4_wgpu::Gpu;
 
 type Check = fn(&Gpu);
 
-const CHECKS: [(&str, Check); 14] = [
+const CHECKS: [(&str, Check); 15] = [
     ("a_frame_is_exact", frames::a_frame_is_exact),
     ("what_cannot_be_used_is_counted", frames::what_cannot_be_used_is_counted),
     ("every_encoding_of_normals", frames::every_encoding_of_normals),
@@ -28,6 +28,7 @@ const CHECKS: [(&str, Check); 14] = [
     ("depths_are_unprojected", frames::depths_are_unprojected),
     ("the_triangle_that_is_seen_decides_the_lift", pixels::the_triangle_that_is_seen_decides_the_lift),
     ("one_sample_stands_for_a_pixel", pixels::one_sample_stands_for_a_pixel),
+    ("every_sample_of_a_drawn_ground_lies_above_it", pixels::every_sample_of_a_drawn_ground_lies_above_it),
     ("half_resolution_is_exact_where_it_has_receivers", pixels::half_resolution_is_exact_where_it_has_receivers),
     ("the_example_engine_has_the_shadows_of_the_cpu", example::the_example_engine_has_the_shadows_of_the_cpu),
     ("the_example_engine_can_be_resized", example::the_example_engine_can_be_resized),

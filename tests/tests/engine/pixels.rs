@@ -3,7 +3,10 @@
 use umbra4_core::{
     Lift,
     gbuffer::{NormalEncoding, ViewParams},
-    glam::{DMat4, DVec4, Vec3},
+    glam::{
+        DMat4, DVec3, DVec4, Vec3,
+        dcamera::rh::{proj, view},
+    },
     half::halved,
     kernel::{NOWHERE, half},
 };
@@ -94,7 +97,7 @@ fn samples(@builtin(position) place: vec4f, @builtin(sample_index) sample: u32) 
 
 /// Every sample of a pixel has a height of its own.
 pub fn one_sample_stands_for_a_pixel(gpu: &Gpu) {
-    let view = |format| -> TextureView {
+    let target = |format| -> TextureView {
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: None,
             size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
@@ -108,8 +111,8 @@ pub fn one_sample_stands_for_a_pixel(gpu: &Gpu) {
         texture.create_view(&wgpu::TextureViewDescriptor::default())
     };
     let formats = [TextureFormat::Rgba16Float, TextureFormat::Rgba8Unorm, TextureFormat::R16Uint];
-    let [positions, normals, owners] = formats.map(view);
-    let depths = view(TextureFormat::Depth32Float);
+    let [positions, normals, owners] = formats.map(target);
+    let depths = target(TextureFormat::Depth32Float);
     draw_samples(gpu, &formats, [&positions, &normals, &owners], &depths);
     let lift = Lift::f32_positions_off_by(1).expect("1 to 8 units");
     // x and z are place in the image, y is depth, in whole units of the lattice.
@@ -128,10 +131,11 @@ pub fn one_sample_stands_for_a_pixel(gpu: &Gpu) {
             for (k, p) in got.receivers.iter().enumerate() {
                 let at = Vec3::new((k as u32 % SIZE[0]) as f32 / 8.0, height, (k as u32 / SIZE[0]) as f32 / 8.0);
                 let mut expected = lattice().snap(at).expect("it is inside").to_array();
-                expected[1] += lift.steps();
+                // Half floats.
+                expected[1] += lift.steps() << 13;
                 assert_eq!(*p, expected, "sample {sample} of pixel {k}");
             }
-            let surface = Surface::Depths { view: &depths, unproject: place, empty: 0.0, ulps: 1 };
+            let surface = Surface::Depths { view: &depths, unproject: place, empty: 0.0, ulps: 1, subpixel_bits: 23 };
             let got = receivers(gpu, GBuffer { surface, normals, encoding, triangles, sample }, &[]);
             let own = lattice().snap(Vec3::Y * height).expect("it is inside").y;
             assert!(got.receivers.iter().all(|p| (own..own + 2000).contains(&p[1])), "depth of sample {sample}");
@@ -140,43 +144,68 @@ pub fn one_sample_stands_for_a_pixel(gpu: &Gpu) {
 }
 
 fn draw_samples(gpu: &Gpu, formats: &[TextureFormat; 3], colours: [&TextureView; 3], depths: &TextureView) {
+    let pipeline = drawing(gpu, SAMPLES, ["everywhere", "samples"], formats, 4, false);
+    draw(gpu, &pipeline, None, &colours, depths, 3);
+}
+
+/// A pipeline that draws a strip; with a depth test, or over everything.
+fn drawing(
+    gpu: &Gpu,
+    code: &str,
+    [vertex, fragment]: [&str; 2],
+    formats: &[TextureFormat],
+    samples: u32,
+    tested: bool,
+) -> wgpu::RenderPipeline {
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: None,
-        source: wgpu::ShaderSource::Wgsl(SAMPLES.into()),
+        source: wgpu::ShaderSource::Wgsl(code.into()),
     });
-    let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+    let targets: Vec<Option<wgpu::ColorTargetState>> = formats.iter().map(|&format| Some(format.into())).collect();
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: None,
         layout: None,
         vertex: wgpu::VertexState {
             module: &module,
-            entry_point: Some("everywhere"),
+            entry_point: Some(vertex),
             compilation_options: Default::default(),
             buffers: &[],
         },
-        primitive: Default::default(),
+        primitive: wgpu::PrimitiveState { topology: wgpu::PrimitiveTopology::TriangleStrip, ..Default::default() },
         depth_stencil: Some(wgpu::DepthStencilState {
             format: TextureFormat::Depth32Float,
             depth_write_enabled: Some(true),
-            depth_compare: Some(wgpu::CompareFunction::Always),
+            depth_compare: Some(if tested { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Always }),
             stencil: Default::default(),
             bias: Default::default(),
         }),
-        multisample: wgpu::MultisampleState { count: 4, ..Default::default() },
+        multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module: &module,
-            entry_point: Some("samples"),
+            entry_point: Some(fragment),
             compilation_options: Default::default(),
-            targets: &formats.map(|format| Some(format.into())),
+            targets: &targets,
         }),
         multiview_mask: None,
         cache: None,
-    });
+    })
+}
+
+fn draw(
+    gpu: &Gpu,
+    pipeline: &wgpu::RenderPipeline,
+    group: Option<&wgpu::BindGroup>,
+    colours: &[&TextureView],
+    depths: &TextureView,
+    vertices: u32,
+) {
     let store = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store };
+    let attachment =
+        |view| wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops: store };
+    let attachments: Vec<_> = colours.iter().map(|view| Some(attachment(view))).collect();
     submit(gpu, |encoder| {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            color_attachments: &colours.map(|view| {
-                Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops: store })
-            }),
+            color_attachments: &attachments,
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: depths,
                 depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
@@ -184,9 +213,69 @@ fn draw_samples(gpu: &Gpu, formats: &[TextureFormat; 3], colours: [&TextureView;
             }),
             ..Default::default()
         });
-        pass.set_pipeline(&pipeline);
-        pass.draw(0..3, 0..1);
+        pass.set_pipeline(pipeline);
+        if let Some(group) = group {
+            pass.set_bind_group(0, group, &[]);
+        }
+        pass.draw(0..vertices, 0..1);
     });
+}
+
+/// A ground that the rasteriser draws, on each of four samples: every receiver lies above it, and none far above.
+pub fn every_sample_of_a_drawn_ground_lies_above_it(gpu: &Gpu) {
+    const GROUND: &str = "
+@group(0) @binding(0) var<uniform> camera: mat4x4f;
+
+@vertex
+fn ground(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
+    let corner = vec2f(f32(index & 1u), f32(index >> 1u)) * 18.0 - 9.0;
+    return camera * vec4f(corner.x, 0.0, corner.y, 1.0);
+}
+
+@fragment
+fn up() -> @location(0) vec4f {
+    return vec4f(0.0, 1.0, 0.0, 0.0);
+}
+";
+    let aspect = f64::from(SIZE[0]) / f64::from(SIZE[1]);
+    let camera = proj::directx::perspective_infinite_reverse(1.0, aspect, 0.1)
+        * view::look_at_mat4(DVec3::new(1.3, 2.1, 5.7), DVec3::new(0.2, 0.4, 0.0), DVec3::Y);
+    for samples in [1, 4] {
+        let target = |format| {
+            let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: None,
+                size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: samples,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            });
+            texture.create_view(&wgpu::TextureViewDescriptor::default())
+        };
+        let (normals, depths) = (target(TextureFormat::Rgba8Unorm), target(TextureFormat::Depth32Float));
+        let pipeline = drawing(gpu, GROUND, ["ground", "up"], &[TextureFormat::Rgba8Unorm], samples, true);
+        let uniform = buffer(gpu, bytemuck::bytes_of(&camera.as_mat4()), BufferUsages::UNIFORM);
+        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: None,
+            layout: &pipeline.get_bind_group_layout(0),
+            entries: &[wgpu::BindGroupEntry { binding: 0, resource: uniform.as_entire_binding() }],
+        });
+        draw(gpu, &pipeline, Some(&group), &[&normals], &depths, 4);
+        for sample in 0..samples {
+            let surface =
+                Surface::Depths { view: &depths, unproject: camera.inverse(), empty: 0.0, ulps: 8, subpixel_bits: 8 };
+            let (encoding, triangles) = (NormalEncoding::Signed, None);
+            let got = receivers(gpu, GBuffer { surface, normals: &normals, encoding, triangles, sample }, &[]);
+            let heights: Vec<i32> = got.receivers.iter().filter(|p| **p != NOWHERE).map(|p| p[1]).collect();
+            assert!(heights.len() > PIXELS / 3, "{} pixels see the ground", heights.len());
+            // So many pixels are so wide here that a place is off by 1/512 of ¼ world unit; lifts are of that size.
+            let most = (0.05 / lattice().step()) as i32;
+            let (low, high) = (heights.iter().min(), heights.iter().max());
+            assert!(low > Some(&0) && high < Some(&most), "sample {sample} of {samples}: from {low:?} to {high:?}");
+        }
+    }
 }
 
 /// Pixels that stand for their block are exact; the others are what core makes of them.

@@ -33,8 +33,12 @@ fn refused(gpu: &Gpu, world: &World, names: &str, change: impl FnOnce(&mut Frame
         asked = true;
         let mut shadows = SoftShadows::new(&gpu.device).expect("the device can be used");
         let mut encoder = gpu.device.create_command_encoder(&CommandEncoderDescriptor::default());
-        let error = shadows.record(&mut encoder, frame).expect_err(names).to_string();
-        assert!(error.contains(names), "{error:?} does not name {names:?}");
+        for _ in 0..2 {
+            let error = shadows.record(&mut encoder, frame).expect_err(names).to_string();
+            assert!(error.contains(names), "{error:?} does not name {names:?}");
+            assert!(shadows.prepare(frame).is_err());
+        }
+        assert!(shadows.snapped().is_none());
         // Nothing was recorded that wgpu would refuse.
         gpu.queue.submit([encoder.finish()]);
     });
@@ -124,13 +128,37 @@ pub fn what_is_refused_is_named(gpu: &Gpu) {
         gbuffer.sample = 1;
         ask(&Frame { gbuffer, ..*frame });
     });
-    for (names, unproject, ulps) in [
-        ("gbuffer.surface.unproject is [", DMat4::from_diagonal(DVec3::INFINITY.extend(1.0)), 4),
-        ("gbuffer.surface.ulps is 4000000000", DMat4::IDENTITY, 4_000_000_000),
+    let depths = view(SIZE, TextureFormat::R32Float, TextureUsages::TEXTURE_BINDING);
+    for (names, unproject, ulps, subpixel_bits) in [
+        ("gbuffer.surface.unproject is [", DMat4::from_diagonal(DVec3::INFINITY.extend(1.0)), 4, 8),
+        ("gbuffer.surface.ulps is 4000000000", DMat4::IDENTITY, 4_000_000_000, 8),
+        ("gbuffer.surface.subpixel_bits is 0", DMat4::IDENTITY, 4, 0),
     ] {
         refused(gpu, &world, names, |frame, ask| {
             let mut gbuffer = frame.gbuffer;
-            gbuffer.surface = Surface::Depths { view: gbuffer.normals, unproject, empty: 0.0, ulps };
+            gbuffer.surface = Surface::Depths { view: &depths, unproject, empty: 0.0, ulps, subpixel_bits };
+            ask(&Frame { gbuffer, ..*frame });
+        });
+    }
+
+    // What only wgpu knows of a view: refused too, and again when it is asked for again.
+    let layers = texture(gpu, [SIZE[0], SIZE[1], 2], TextureFormat::Rgba32Float, TextureUsages::TEXTURE_BINDING);
+    let layers = layers.create_view(&TextureViewDescriptor::default());
+    refused(gpu, &world, "wgpu refuses to", |frame, ask| {
+        let mut gbuffer = frame.gbuffer;
+        gbuffer.normals = &layers;
+        ask(&Frame { gbuffer, ..*frame });
+    });
+    let coarse = view(SIZE, TextureFormat::Rgba8Unorm, TextureUsages::TEXTURE_BINDING);
+    let stencilled = view(SIZE, TextureFormat::Depth24PlusStencil8, TextureUsages::TEXTURE_BINDING);
+    let lift = Lift::F32_POSITIONS;
+    for (names, surface) in [
+        ("gbuffer.surface.view.format is Rgba8Unorm", Surface::Positions { view: &coarse, lift }),
+        ("gbuffer.surface.view.format is Depth24PlusStencil8", Surface::Positions { view: &stencilled, lift }),
+    ] {
+        refused(gpu, &world, names, |frame, ask| {
+            let mut gbuffer = frame.gbuffer;
+            gbuffer.surface = surface;
             ask(&Frame { gbuffer, ..*frame });
         });
     }
