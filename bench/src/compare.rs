@@ -7,6 +7,7 @@ use umbra4_core::Counts;
 
 use crate::{
     contender::{ContenderError, Entry, Run, by_name},
+    image_size::ImageSize,
     primary::hits,
     problem::{Problem, ProblemError},
     row_word::RowWord,
@@ -77,7 +78,7 @@ pub struct Comparison {
 pub fn compare<W: RowWord>(name: &str, options: &Options) -> Result<Comparison, CompareError> {
     let entries = options.contenders.iter().map(|name| by_name(name)).collect::<Result<Vec<Entry<W>>, _>>()?;
     let scene = scene(name, &options.scenes, options.samples, options.light)?;
-    let all = hits(&scene.model, &scene.camera, options.size);
+    let all = hits(&scene.model, &scene.camera, ImageSize::square(options.size));
     let chosen: Vec<_> = subset::tiles(&all, options.receivers, options.seed).into_iter().map(|i| all[i]).collect();
     let rival_indices = subset::tiles(&chosen, options.rival_receivers, options.seed);
     let rival_hits: Vec<_> = rival_indices.iter().map(|&i| chosen[i]).collect();
@@ -215,7 +216,7 @@ mod tests {
 
     fn agrees<W: RowWord>(samples: u32, name: &str) {
         let scene = tiny(samples);
-        let hits: Vec<_> = hits(&scene.model, &scene.camera, 24);
+        let hits: Vec<_> = hits(&scene.model, &scene.camera, ImageSize::square(24));
         let problem = Problem::new(&scene, &hits, &hits).unwrap();
         let masks = |name: &str, threads: usize| {
             let mut masks = vec![W::EMPTY; problem.receivers.len() * problem.rows()];

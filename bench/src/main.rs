@@ -5,6 +5,11 @@ mod compare;
 mod contender;
 #[cfg(feature = "embree")]
 mod embree;
+mod gpu;
+mod gpu_args;
+mod gpu_rival;
+mod gpu_table;
+mod image_size;
 mod optimisations;
 mod picture;
 mod primary;
@@ -23,6 +28,7 @@ use std::{path::PathBuf, process::ExitCode};
 
 use clap::{Args, Parser, Subcommand};
 use compare::{CompareError, Comparison, Options, compare};
+use gpu_args::GpuArgs;
 use scene::PAPER_LIGHT;
 use umbra4_wgpu::Choice;
 use verify::{VerifyError, verify};
@@ -42,6 +48,9 @@ enum Command {
     /// Checks the bits of random receivers on the real scenes against the oracles, and those of a whole image against one
     /// sample at a time; prints Markdown tables. The exit code is 1 where a bit is wrong.
     Verify(VerifyArgs),
+    /// Compares umbra4 on a GPU with a ray tracer on the same GPU, and prints Markdown tables. The exit code is 1 where too
+    /// many bits differ.
+    Gpu(GpuArgs),
     /// Measures what each of the paper's optimisations pays, and prints Markdown tables.
     Optimisations(OptimisationsArgs),
 }
@@ -292,6 +301,7 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Compare(args) => run_compare(&args).map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::Verify(args) => run_verify(&args).unwrap_or_else(|e| fail(&e)),
+        Command::Gpu(args) => args.run().unwrap_or_else(|e| fail(&e)),
         Command::Optimisations(args) => run_optimisations(&args).map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
     }
 }

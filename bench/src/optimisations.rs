@@ -8,6 +8,7 @@ use umbra4_cpu::{Binning, CpuExecutor, GridOptions, Index, Occluders, Rows, Stat
 use crate::{
     compare::CompareError,
     contender::ContenderError,
+    image_size::ImageSize,
     primary::hits,
     problem::Problem,
     row_word::RowWord,
@@ -83,7 +84,7 @@ pub struct SceneLine {
 /// Two variants' masks differ.
 pub fn optimisations<W: RowWord>(name: &str, options: &Options) -> Result<SceneLine, CompareError> {
     let scene = scene(name, &options.scenes, options.samples, PAPER_LIGHT)?;
-    let all = hits(&scene.model, &scene.camera, options.size);
+    let all = hits(&scene.model, &scene.camera, ImageSize::square(options.size));
     let chosen: Vec<_> = subset::tiles(&all, options.receivers, options.seed).into_iter().map(|i| all[i]).collect();
     let problem = Problem::new(&scene, &all, &chosen)?;
     let occluders = Occluders::new(&problem.lattice, &problem.model.vertices, &problem.model.triangles)

@@ -11,7 +11,9 @@ use obvhs::{
 use umbra4::model::Model;
 use umbra4_core::glam::{DVec3, Vec3};
 
-/// A pinhole camera with a square image; y is up.
+use crate::image_size::ImageSize;
+
+/// A pinhole camera; y is up.
 #[derive(Clone, Copy, Debug)]
 pub struct Camera {
     /// Where it stands, world.
@@ -23,14 +25,15 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Direction through the middle of pixel (`x`, `y`) of a `size` × `size` image; (0, 0) is upper left.
-    fn direction(&self, x: u32, y: u32, size: u32) -> DVec3 {
+    /// Direction through the middle of pixel (`x`, `y`) of an image; (0, 0) is upper left.
+    fn direction(&self, x: u32, y: u32, size: ImageSize) -> DVec3 {
         let forward = (self.target - self.eye).normalize();
         let right = forward.cross(DVec3::Y).normalize();
         let up = right.cross(forward);
         let half = (self.vertical_degrees.to_radians() * 0.5).tan();
-        let along = |pixel: u32| ((f64::from(pixel) + 0.5) / f64::from(size) * 2.0 - 1.0) * half;
-        forward + right * along(x) - up * along(y)
+        let along = |pixel: u32, pixels: u32| ((f64::from(pixel) + 0.5) / f64::from(pixels) * 2.0 - 1.0) * half;
+        let aspect = f64::from(size.width) / f64::from(size.height);
+        forward + right * (along(x, size.width) * aspect) - up * along(y, size.height)
     }
 }
 
@@ -48,12 +51,12 @@ pub struct Hit {
 }
 
 /// What the pixels see, row by row; pixels that see nothing are left out.
-pub fn hits(model: &Model, camera: &Camera, size: u32) -> Vec<Hit> {
+pub fn hits(model: &Model, camera: &Camera, size: ImageSize) -> Vec<Hit> {
     let triangles = rival_triangles(model);
     let bvh = build_cwbvh_from_tris(&triangles, BvhBuildParams::medium_build(), &mut Duration::default());
     let mut hits = Vec::new();
-    for y in 0..size {
-        for x in 0..size {
+    for y in 0..size.height {
+        for x in 0..size.width {
             let direction = camera.direction(x, y, size);
             let ray = Ray::new_inf(camera.eye.as_vec3().into(), direction.as_vec3().into());
             let mut hit = RayHit::none();

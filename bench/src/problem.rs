@@ -40,7 +40,7 @@ pub struct Problem<'a> {
     /// The same light samples as a ray tracer takes them, row by row.
     pub samples: Vec<Vec3>,
     /// `step_u × step_v`, of length one.
-    light_normal: Vec3,
+    pub light_normal: Vec3,
 }
 
 impl<'a> Problem<'a> {

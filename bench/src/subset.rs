@@ -12,11 +12,7 @@ pub fn tiles(hits: &[Hit], wanted: usize, seed: u64) -> Vec<usize> {
     if wanted >= hits.len() {
         return (0..hits.len()).collect();
     }
-    let mut tiles: BTreeMap<(u32, u32), Vec<usize>> = BTreeMap::new();
-    for (index, hit) in hits.iter().enumerate() {
-        tiles.entry((hit.y / TILE, hit.x / TILE)).or_default().push(index);
-    }
-    let mut tiles: Vec<Vec<usize>> = tiles.into_values().collect();
+    let mut tiles: Vec<Vec<usize>> = by_tile(hits).into_values().collect();
     shuffle(&mut tiles, seed);
     let mut kept = 0;
     let enough = tiles.iter().position(|tile| {
@@ -27,6 +23,20 @@ pub fn tiles(hits: &[Hit], wanted: usize, seed: u64) -> Vec<usize> {
     // In image order again, as a renderer would go through them.
     tiles.sort();
     tiles.concat()
+}
+
+/// Indices of all hits, tile after tile.
+pub fn in_tile_order(hits: &[Hit]) -> Vec<usize> {
+    by_tile(hits).into_values().flatten().collect()
+}
+
+/// Indices of the hits of every tile, by its row and column.
+fn by_tile(hits: &[Hit]) -> BTreeMap<(u32, u32), Vec<usize>> {
+    let mut tiles: BTreeMap<(u32, u32), Vec<usize>> = BTreeMap::new();
+    for (index, hit) in hits.iter().enumerate() {
+        tiles.entry((hit.y / TILE, hit.x / TILE)).or_default().push(index);
+    }
+    tiles
 }
 
 /// Fisher and Yates' shuffle, with splitmix64.

@@ -23,6 +23,7 @@ use umbra4_tests::{
 use umbra4_wgpu::{Choice, Gpu, GpuError, LatticeScene, WgpuExecutor};
 
 use crate::{
+    image_size::ImageSize,
     primary::{Hit, hits},
     problem::{Problem, ProblemError},
     row_word::RowWord,
@@ -195,8 +196,8 @@ impl Report {
     fn add(&mut self, name: &str, options: &Options) -> Result<(), VerifyError> {
         let start = Instant::now();
         let scene = scene(name, &options.scenes, 32, options.light)?;
-        let image = hits(&scene.model, &scene.camera, options.image);
-        let hits = hits(&scene.model, &scene.camera, IMAGE);
+        let image = hits(&scene.model, &scene.camera, ImageSize::square(options.image));
+        let hits = hits(&scene.model, &scene.camera, ImageSize::square(IMAGE));
         let mut rng = Rng::named(options.seed, name);
         let (surface, free) = random_receivers(&scene, &hits, options.receivers, &mut rng)?;
         if surface.is_empty() {
@@ -432,7 +433,7 @@ mod tests {
     #[test]
     fn a_scene_made_by_code_holds() {
         let scene = tiny(32);
-        let hits = hits(&scene.model, &scene.camera, IMAGE);
+        let hits = hits(&scene.model, &scene.camera, ImageSize::square(IMAGE));
         let (surface, free) = random_receivers(&scene, &hits, 64, &mut Rng::new(1)).unwrap();
         let mut report = Report::default();
         report.check::<u32>("tiny", &scene, &surface, &free, &options(), true).unwrap();
