@@ -3,6 +3,8 @@
 //! What a run needed is kept: where another asks for the same kernels over the same resources, as frame after frame does,
 //! no object is made on the device.
 
+#![allow(clippy::mutable_key_type, reason = "wgpu's resources are equal, and hash, by identity")]
+
 use std::{
     collections::{HashMap, hash_map::Entry},
     num::NonZero,
