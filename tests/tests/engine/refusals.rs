@@ -7,7 +7,7 @@ use umbra4_core::{
 };
 use umbra4_tests::device::{buffer, texture};
 use umbra4_wgpu::{
-    Frame, Gpu, Image, Indices, Instances, Light, SoftShadows, Surface, VisibilityFormat,
+    Frame, Gpu, Image, Indices, Instances, LatticeScene, Light, SoftShadows, Surface, VisibilityFormat, WgpuExecutor,
     wgpu::{
         BufferDescriptor, BufferUsages, CommandEncoderDescriptor, IndexFormat, TextureFormat, TextureUsages,
         TextureViewDescriptor,
@@ -211,4 +211,36 @@ pub fn what_is_refused_is_named(gpu: &Gpu) {
         let far = AreaLight::new(DVec3::splat(100.0), DVec3::X, DVec3::Y, 4, 4).expect("a light with area");
         ask(&Frame { lights: &[frame.lights[0], Light { light: far, ..frame.lights[0] }], ..*frame });
     });
+}
+
+/// Nothing panics on a device that is gone, neither in a frame nor for the host.
+pub fn a_lost_device_is_an_error(_: &Gpu) {
+    let gpu = umbra4_tests::gpu::required().ok().flatten().expect("it could be opened before");
+    let world = World::new(&gpu, 1, Wish { triangles: 16, bad: 0, encoding: NormalEncoding::Signed });
+    let usage = TextureUsages::COPY_DST;
+    let target = texture(&gpu, [SIZE[0], SIZE[1], 1], TextureFormat::R8Unorm, usage);
+    let lights = [Light {
+        light: light(4, 4, -1.0),
+        lift: Lift::NONE,
+        visibility: Some(Image::Texture { texture: &target, layer: 0 }),
+        masks: None,
+    }];
+    let meshes = world.meshes();
+    let frame = world.frame(&meshes, &lights);
+    let mut warm = SoftShadows::new(&gpu.device).expect("the device can be used");
+    let mut encoder = gpu.device.create_command_encoder(&CommandEncoderDescriptor::default());
+    warm.record(&mut encoder, &frame).expect("the frame is sound");
+    drop(encoder);
+    gpu.device.destroy();
+    let mut encoder = gpu.device.create_command_encoder(&CommandEncoderDescriptor::default());
+    let mut shadows = [Some(warm), SoftShadows::new(&gpu.device).ok()];
+    for shadows in shadows.iter_mut().flatten() {
+        assert!(shadows.record(&mut encoder, &frame).is_err());
+        // Where all is made already, there is nothing to refuse; it must not panic.
+        let _ = shadows.prepare(&frame);
+    }
+    let points = [umbra4_core::glam::IVec3::ZERO; 3];
+    let scene = LatticeScene { vertices: &points, triangles: &[[0, 1, 2]] };
+    let light = crate::frames::snapped(&light(4, 4, -1.0));
+    assert!(WgpuExecutor::new(gpu).visibility(&scene, &light, &points).is_err());
 }
