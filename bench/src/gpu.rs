@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 use umbra4_core::stage::Stage;
 use umbra4_cpu::Occluders;
-use umbra4_wgpu::{Gpu, GpuError, LatticeScene, Loading, Precision, WgpuExecutor, wgpu::Features};
+use umbra4_wgpu::{Gpu, GpuError, LatticeScene, Loading, Precision, Statistics, WgpuExecutor, wgpu::Features};
 
 use crate::{
     gpu_rival::{Answer, GpuRival, Traced},
@@ -103,14 +103,22 @@ struct Subject {
     plain: WgpuExecutor,
     /// For the times of stages, where the device has timestamps.
     timed: Option<WgpuExecutor>,
+    /// With kernels loaded the other way, where the device can: what wgpu's checks cost.
+    other: Option<WgpuExecutor>,
 }
 
 impl Subject {
     fn new(gpu: &Gpu, loading: Loading, precision: Precision) -> Result<Self, GpuError> {
         let executor = || WgpuExecutor::new(gpu.clone()).with_precision(precision).with_loading(loading);
         let timed = gpu.device.features().contains(Features::TIMESTAMP_QUERY);
+        let other_way = match loading {
+            Loading::Checked => Loading::Passthrough,
+            Loading::Passthrough => Loading::Checked,
+        };
+        let other = WgpuExecutor::new(gpu.clone()).with_precision(precision).with_loading(other_way).ok();
+        let other = other.map(|executor| executor.with_stage_times(timed));
         let timed = timed.then(|| executor().map(|executor| executor.with_stage_times(true))).transpose()?;
-        Ok(Self { precision, plain: executor()?, timed })
+        Ok(Self { precision, plain: executor()?, timed, other })
     }
 }
 
@@ -119,7 +127,17 @@ struct Measured {
     host: f64,
     /// Of the run whose stages took the least time together.
     stages: Option<Vec<(Stage, f64)>>,
+    /// Least seconds with kernels loaded the other way: of all stages, where they are known.
+    other: Option<f64>,
     lit: Vec<u32>,
+}
+
+/// Seconds of all stages, or of the host where those are not known.
+fn seconds(statistics: &Statistics) -> f64 {
+    match &statistics.stages[..] {
+        [] => statistics.time.as_secs_f64(),
+        stages => stages.iter().map(|(_, seconds)| seconds).sum(),
+    }
 }
 
 /// Of two runs' stages, those that took less time together.
@@ -153,7 +171,7 @@ impl Posed<'_> {
     }
 
     /// Lit samples of every receiver.
-    fn lit(&self, executor: &WgpuExecutor) -> Result<(Vec<u32>, umbra4_wgpu::Statistics), GpuError> {
+    fn lit(&self, executor: &WgpuExecutor) -> Result<(Vec<u32>, Statistics), GpuError> {
         let Problem { light, receivers, .. } = &self.problem;
         let (visibility, statistics) = executor.visibility(&self.scene(), light, receivers.points())?;
         let samples = light.sample_count() as f32;
@@ -192,7 +210,7 @@ impl<'a> Setting<'a> {
         let ours = self.pose(&Vec::from_iter(0..self.all.len()))?;
         let rival_indices = self.of_rival();
         let theirs = self.pose(&rival_indices)?;
-        let nothing = |_: &Subject| Measured { host: f64::MAX, stages: None, lit: Vec::new() };
+        let nothing = |_: &Subject| Measured { host: f64::MAX, stages: None, other: None, lit: Vec::new() };
         let mut measured: Vec<Measured> = subjects.iter().map(nothing).collect();
         let mut traced: Option<Traced> = None;
         let repeat = self.options.repeat.max(1);
@@ -206,6 +224,11 @@ impl<'a> Setting<'a> {
                     let (_, statistics) = ours.lit(timed)?;
                     let old = measured.stages.take();
                     measured.stages = Some(faster(old, statistics.stages));
+                }
+                if let Some(other) = &subject.other {
+                    let (_, statistics) = ours.lit(other)?;
+                    let least = measured.other.unwrap_or(f64::MAX);
+                    measured.other = Some(seconds(&statistics).min(least));
                 }
             }
             if let Some(rival) = rival {
@@ -239,6 +262,8 @@ impl<'a> Setting<'a> {
                 precision: subject.precision,
                 host_seconds: measured.host,
                 stages: measured.stages.unwrap_or_default(),
+                loading: self.options.loading,
+                other_loading_seconds: measured.other,
                 rival: figures,
             }
         });

@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use umbra4_core::stage::Stage;
-use umbra4_wgpu::{Gpu, Precision};
+use umbra4_wgpu::{Gpu, Loading, Precision};
 
 use crate::image_size::ImageSize;
 
@@ -77,11 +77,21 @@ pub struct Line {
     pub host_seconds: f64,
     /// Seconds of umbra4's stages on the device; empty where it has no timestamps.
     pub stages: Vec<(Stage, f64)>,
+    /// How kernels were loaded.
+    pub loading: Loading,
+    /// Least seconds with kernels loaded the other way, where the device can.
+    pub other_loading_seconds: Option<f64>,
     /// The rival, where it ran.
     pub rival: Option<RivalFigures>,
 }
 
 impl Line {
+    /// What wgpu's checks cost: time with them ÷ time without.
+    fn checks(&self) -> Option<f64> {
+        let ratio = self.seconds() / self.other_loading_seconds?;
+        Some(if self.loading == Loading::Checked { ratio } else { ratio.recip() })
+    }
+
     /// All stages on the device, the index included.
     fn device_seconds(&self) -> Option<f64> {
         (!self.stages.is_empty()).then(|| self.stages.iter().map(|(_, seconds)| seconds).sum())
@@ -135,17 +145,18 @@ fn totals(out: &mut String, gpu: &Gpu, lines: &[Line]) {
     let _ = writeln!(
         out,
         "{HEAD} receivers | umbra4 ms, device | umbra4 ms, host | rival ms | rival's build ms, CPU | rival ÷ umbra4 | \
-         umbra4 frames/s | lit counts differ by | bits of masks that differ |\n\
-         {RULE}--:|--:|--:|--:|--:|--:|--:|--:|--:|"
+         umbra4 frames/s | checked ÷ passthrough | lit counts differ by | bits of masks that differ |\n\
+         {RULE}--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|"
     );
     for line in lines {
         let rival = line.rival;
         let figure = |get: fn(RivalFigures) -> String| rival.map_or_else(String::new, get);
         let ratio = rival.map_or_else(String::new, |rival| format!("{:.2}", rival.seconds / line.seconds()));
+        let checks = line.checks().map_or_else(String::new, |ratio| format!("{ratio:.2}"));
         let frames = if gpu.software { "–".to_owned() } else { format!("{:.1}", line.seconds().recip()) };
         let _ = writeln!(
             out,
-            "{} {} | {} | {} | {} | {} | {ratio} | {frames} | {} | {} |",
+            "{} {} | {} | {} | {} | {} | {ratio} | {frames} | {checks} | {} | {} |",
             line.head(),
             line.receivers,
             millis(gpu, line.device_seconds()),
@@ -209,7 +220,7 @@ pub fn csv(gpu: &Gpu, lines: &[Line]) -> String {
     let stages: Vec<Stage> = umbra4_core::stage::TABLE.iter().map(|info| info.stage).collect();
     let mut out = String::from(
         "adapter,scene,triangles,width,height,receivers,samples,precision,umbra4_device_seconds,umbra4_host_seconds,\
-         rival_seconds,rival_build_seconds,rival_receivers,ratio,lit_bits,lit_bits_differing,mask_bits,\
+         rival_seconds,rival_build_seconds,rival_receivers,ratio,checked_over_passthrough,lit_bits,lit_bits_differing,mask_bits,\
          mask_bits_differing",
     );
     for stage in &stages {
@@ -223,9 +234,10 @@ pub fn csv(gpu: &Gpu, lines: &[Line]) -> String {
         let rival = line.rival;
         let figure = |get: fn(RivalFigures) -> String| rival.map_or_else(String::new, get);
         let ratio = rival.map_or_else(String::new, |rival| (rival.seconds / line.seconds()).to_string());
+        let checks = line.checks().map_or_else(String::new, |ratio| ratio.to_string());
         let _ = write!(
             out,
-            "{:?},{},{},{},{},{},{},{},{},{},{},{},{},{ratio},{},{},{},{}",
+            "{:?},{},{},{},{},{},{},{},{},{},{},{},{},{ratio},{checks},{},{},{},{}",
             gpu.name,
             line.scene,
             line.triangles,
@@ -273,6 +285,8 @@ mod tests {
             precision: Precision::Exact,
             host_seconds: 9.0,
             stages: vec![(Stage::Resolve, 1.0), (Stage::Reduce, 0.5)],
+            loading: Loading::Checked,
+            other_loading_seconds: Some(1.25),
             rival: Some(figures),
         }
     }
@@ -287,6 +301,14 @@ mod tests {
     fn times_are_compared_on_the_device_where_they_are_known() {
         assert_eq!(line(0).seconds(), 1.5);
         assert_eq!(Line { stages: Vec::new(), ..line(0) }.seconds(), 9.0);
+    }
+
+    #[test]
+    fn checks_cost_what_passthrough_saves() {
+        assert_eq!(line(0).checks(), Some(1.2));
+        let other = Line { loading: Loading::Passthrough, other_loading_seconds: Some(3.0), ..line(0) };
+        assert_eq!(other.checks(), Some(2.0));
+        assert_eq!(Line { other_loading_seconds: None, ..line(0) }.checks(), None);
     }
 
     #[test]
