@@ -15,7 +15,7 @@ use umbra4_tests::{
     oracle::oracle_masks,
 };
 use umbra4_wgpu::{
-    Frame, GBuffer, Gpu, Image, Light, Resolution, SoftShadows, Surface, VisibilityFormat,
+    Frame, GBuffer, Gpu, Image, Light, Loading, Precision, Resolution, SoftShadows, Surface, VisibilityFormat,
     wgpu::{self, BufferUsages, CommandEncoderDescriptor, TextureFormat, TextureUsages},
 };
 
@@ -101,6 +101,55 @@ pub fn shadowed(light: AreaLight, image: Image<'_>) -> Light<'_> {
 
 pub fn wish(triangles: u32) -> Wish {
     Wish { triangles, bad: 0, encoding: NormalEncoding::Signed }
+}
+
+/// The same adapter with a device as an engine may have it: wgpu's default limits, and no feature.
+fn plain(gpu: &Gpu) -> Gpu {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
+    let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+    let adapter = adapters.iter().find(|adapter| gpu.name.starts_with(&adapter.get_info().name));
+    let asked = adapter.expect("it is there").request_device(&wgpu::DeviceDescriptor::default());
+    let (device, queue) = pollster::block_on(asked).expect("it has the default limits");
+    assert_eq!(device.features(), wgpu::Features::empty());
+    Gpu { device, queue, ..gpu.clone() }
+}
+
+pub fn default_limits_and_no_features_suffice(gpu: &Gpu) {
+    let gpu = plain(gpu);
+    let mut shadows = SoftShadows::new(&gpu.device).expect("the device can be used");
+    shadows.time_stages().expect("without timestamps, nothing is timed");
+    check_frame(&gpu, &mut shadows, &World::new(&gpu, 13, wish(40)), light(5, 40, 0.0));
+    assert!(shadows.stage_times(&gpu.queue).expect("nothing fails").is_empty());
+    let refused =
+        SoftShadows::with(&gpu.device, Precision::Exact, Loading::Passthrough).expect_err("no feature, no way");
+    assert!(refused.to_string().contains("loading is Passthrough"), "{refused}");
+}
+
+/// Timestamps change no bit, and tell of every stage that ran.
+pub fn stages_are_timed(gpu: &Gpu) {
+    if !gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY) {
+        assert!(!gpu.software, "lavapipe has timestamps");
+        println!("no timestamps on {}", gpu.name);
+        return;
+    }
+    let mut shadows = SoftShadows::new(&gpu.device).expect("the device can be used");
+    shadows.time_stages().expect("there is memory for timestamps");
+    check_frame(gpu, &mut shadows, &World::new(gpu, 14, wish(40)), light(5, 9, 0.0));
+    let times = shadows.stage_times(&gpu.queue).expect("the device answers");
+    let stages: Vec<&str> = times.iter().map(|(stage, _)| stage.info().name).collect();
+    let expected = [
+        "snap_vertices",
+        "snap_receivers",
+        "key_triangles",
+        "order_triangles",
+        "build_level",
+        "key_receivers",
+        "order_receivers",
+        "resolve",
+        "reduce",
+    ];
+    assert_eq!(stages, expected);
+    assert!(times.iter().all(|(_, seconds)| (0.0..60.0).contains(seconds)), "{times:?}");
 }
 
 /// Three lights of three word widths into three layers of every format, an image in a buffer, and all masks.

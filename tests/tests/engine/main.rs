@@ -17,7 +17,7 @@ use umbra4_wgpu::Gpu;
 
 type Check = fn(&Gpu);
 
-const CHECKS: [(&str, Check); 16] = [
+const CHECKS: [(&str, Check); 18] = [
     ("a_frame_is_exact", frames::a_frame_is_exact),
     ("what_cannot_be_used_is_counted", frames::what_cannot_be_used_is_counted),
     ("every_encoding_of_normals", frames::every_encoding_of_normals),
@@ -32,6 +32,8 @@ const CHECKS: [(&str, Check); 16] = [
     ("half_resolution_is_exact_where_it_has_receivers", pixels::half_resolution_is_exact_where_it_has_receivers),
     ("the_example_engine_has_the_shadows_of_the_cpu", example::the_example_engine_has_the_shadows_of_the_cpu),
     ("the_example_engine_can_be_resized", example::the_example_engine_can_be_resized),
+    ("default_limits_and_no_features_suffice", frames::default_limits_and_no_features_suffice),
+    ("stages_are_timed", frames::stages_are_timed),
     ("a_lost_device_is_an_error", refusals::a_lost_device_is_an_error),
     ("what_is_refused_is_named", refusals::what_is_refused_is_named),
 ];
