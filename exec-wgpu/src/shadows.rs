@@ -106,7 +106,7 @@ pub struct Snapped {
     pub receivers: Buffer,
     /// How many there are.
     pub receiver_count: u32,
-    /// Its lights.
+    /// Its lights, those that ask for something.
     pub lights: Vec<LatticeLight>,
 }
 
