@@ -1,8 +1,8 @@
 //! umbra4 in an engine: a small deferred renderer on plain wgpu, with a moving lamp over moving geometry.
 //!
 //! ```sh
-//! cargo run --release --example engine                # writes engine.png
-//! cargo run --release --example engine -- --window    # where there is a display
+//! cargo run --release -p umbra4-wgpu --example engine                # writes engine.png
+//! cargo run --release -p umbra4-wgpu --example engine -- --window    # where there is a display
 //! ```
 //!
 //! Options: `-o FILE`, `--size WIDTHxHEIGHT`, `--time SECONDS`, `--adapter NAME`.
