@@ -9,7 +9,7 @@ use crate::{
     exact::{self, Wide},
     params::Dispatched,
     snap::{LIMIT, SnapParams, is_finite, snap_point},
-    surface::{self, Lift},
+    surface::{self, Lift, Upwards, by_normal},
 };
 
 /// What turns pixels into receivers.
@@ -110,23 +110,6 @@ pub enum Pixel {
     Refused,
     /// A receiver, lifted off its surface.
     Receiver(IVec3),
-}
-
-/// Which way a receiver is lifted: an axis, and a sign; 0 where that is not known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Upwards {
-    /// 0, 1 or 2.
-    pub axis: usize,
-    /// −1, 0 or 1.
-    pub sign: i32,
-}
-
-/// By the pixel's normal.
-#[inline]
-pub fn by_normal(normal: Vec3) -> Upwards {
-    let (axis, sign) = surface::dominant_axis_f32(normal);
-    let finite = is_finite(normal.x) && is_finite(normal.y) && is_finite(normal.z);
-    Upwards { axis, sign: if finite { sign } else { 0 } }
 }
 
 /// By the lattice normal of the triangle that the pixel shows, towards the side of the pixel's normal. A triangle without a

@@ -3,7 +3,7 @@
 
 use glam::{IVec3, Vec3};
 
-use crate::exact::WideInt;
+use crate::{exact::WideInt, snap::is_finite};
 
 /// A number of lattice steps by which a receiver, or a light, is lifted off the surface that it lies on.
 ///
@@ -67,6 +67,23 @@ pub fn dominant_axis_f32(normal: Vec3) -> (usize, i32) {
     let (axis, value) = if normal.y.abs() > normal.x.abs() { (1, normal.y) } else { (0, normal.x) };
     let (axis, value) = if normal.z.abs() > value.abs() { (2, normal.z) } else { (axis, value) };
     (axis, (value > 0.0) as i32 - (value < 0.0) as i32)
+}
+
+/// Which way a receiver is lifted: an axis, and a sign; 0 where that is not known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Upwards {
+    /// 0, 1 or 2.
+    pub axis: usize,
+    /// −1, 0 or 1.
+    pub sign: i32,
+}
+
+/// By a float normal, which need not be normalised; unknown where that is zero or not finite.
+#[inline]
+pub fn by_normal(normal: Vec3) -> Upwards {
+    let (axis, sign) = dominant_axis_f32(normal);
+    let finite = is_finite(normal.x) && is_finite(normal.y) && is_finite(normal.z);
+    Upwards { axis, sign: if finite { sign } else { 0 } }
 }
 
 /// Moves `point` by `steps` along `axis`.

@@ -98,7 +98,8 @@ fn sum(field: &'static str, a: u32, b: u32) -> Result<u32, GpuError> {
     count_of(field, count)
 }
 
-fn count_of(field: &'static str, count: u64) -> Result<u32, GpuError> {
+/// A number of elements that an index can name.
+pub(crate) fn count_of(field: &'static str, count: u64) -> Result<u32, GpuError> {
     match u32::try_from(count) {
         Ok(count) if count <= MOST => Ok(count),
         _ => Err(GpuError::TooMany { field, count: count as usize, most: MOST as usize }),

@@ -114,8 +114,11 @@ pub enum GpuError {
     },
 }
 
-/// Catches what wgpu would else panic with.
-pub(crate) fn guarded<T>(device: &Device, doing: &'static str, work: impl FnOnce() -> T) -> Result<T, GpuError> {
+/// Does something with a device, and catches what wgpu would else panic with. For tools that use the device too.
+///
+/// # Errors
+/// The device is out of memory; wgpu or the driver refuses.
+pub fn guarded<T>(device: &Device, doing: &'static str, work: impl FnOnce() -> T) -> Result<T, GpuError> {
     let memory = device.push_error_scope(ErrorFilter::OutOfMemory);
     let internal = device.push_error_scope(ErrorFilter::Internal);
     let validation = device.push_error_scope(ErrorFilter::Validation);

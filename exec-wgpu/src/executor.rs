@@ -14,16 +14,13 @@ use umbra4_core::{
 };
 
 use crate::{
-    Gpu, GpuError, LatticeScene, Loading, Statistics,
+    Gpu, GpuError, LatticeScene, Loading, Statistics, checks,
     host::{Asked, Host, Results},
     recorder::Recorder,
     scratch::Scratch,
     stages::{BLOCK, Buffers, SMALLEST_SLICE, Stages, block, mask_layout, narrowest, slice},
     timing::Timing,
 };
-
-/// Largest number of elements of one kind.
-const MOST: usize = (u32::MAX - 1) as usize;
 
 /// Runs the stages on a GPU.
 ///
@@ -182,9 +179,7 @@ impl WgpuExecutor {
         let counts =
             [("vertices", scene.vertices.len()), ("triangles", scene.triangles.len()), ("receivers", receivers.len())];
         for (field, count) in counts {
-            if count > MOST {
-                return Err(GpuError::TooMany { field, count, most: MOST });
-            }
+            checks::count_of(field, count as u64)?;
         }
         let Gpu { device, software, .. } = &self.gpu;
         let layout = |slice| mask_layout(light, bits, self.precision, asked.counts, slice);

@@ -4,11 +4,11 @@ use std::fmt;
 
 use umbra4_core::kernel::{TABLE, WORKGROUP};
 use wgpu::{
-    Adapter, Backends, Device, DeviceDescriptor, DeviceType, ExperimentalFeatures, Features, Instance,
-    InstanceDescriptor, Limits, MemoryHints, Queue,
+    Adapter, Backends, Buffer, CommandEncoderDescriptor, Device, DeviceDescriptor, DeviceType, ExperimentalFeatures,
+    Features, Instance, InstanceDescriptor, Limits, MemoryHints, Queue,
 };
 
-use crate::GpuError;
+use crate::{GpuError, error::guarded, readback};
 
 /// Which adapter to open.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -139,6 +139,22 @@ impl Gpu {
             return Err(GpuError::NoAdapter { wanted: choice.to_string(), reason });
         };
         Self::of(adapter)
+    }
+
+    /// Waits for the device, and hands over the first `bytes` bytes of a buffer whose usage has `COPY_SRC`. For scripts and
+    /// tests: an engine does not wait.
+    ///
+    /// # Errors
+    /// The device fails.
+    pub fn read<T: bytemuck::Pod>(&self, source: &Buffer, bytes: u64) -> Result<Vec<T>, GpuError> {
+        let Self { device, queue, .. } = self;
+        let staging = guarded(device, "reads a buffer", || {
+            let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor { label: Some("umbra4") });
+            let staging = readback::copy(device, &mut encoder, source, 0, bytes);
+            queue.submit([encoder.finish()]);
+            staging
+        })?;
+        readback::read(device, &staging)
     }
 
     fn of(adapter: &Adapter) -> Result<Self, GpuError> {

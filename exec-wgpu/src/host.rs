@@ -13,7 +13,7 @@ use crate::{
     readback::{copy, read},
     recorder::Recorder,
     stages::{Buffers, Ends},
-    timing::seconds,
+    timing::{add, seconds},
 };
 
 /// What is asked for.
@@ -129,18 +129,10 @@ impl Ends for Host<'_> {
         }
         if let Some((timing, ticks)) = recorder.timing().zip(ticks) {
             let ticks = read::<u64>(device, &ticks)?;
-            add(&mut results.stages, seconds(timing.stages(), &ticks, queue.get_timestamp_period()));
+            for (stage, time) in seconds(timing.stages(), &ticks, queue.get_timestamp_period()) {
+                add(&mut results.stages, stage, time);
+            }
         }
         Ok(())
-    }
-}
-
-/// Adds the times of another block.
-fn add(sums: &mut Vec<(Stage, f64)>, block: Vec<(Stage, f64)>) {
-    for (stage, time) in block {
-        match sums.iter_mut().find(|(known, _)| *known == stage) {
-            Some((_, sum)) => *sum += time,
-            None => sums.push((stage, time)),
-        }
     }
 }

@@ -21,7 +21,7 @@ mod stages;
 mod statistics;
 mod timing;
 
-pub use error::GpuError;
+pub use error::{GpuError, guarded};
 pub use executor::WgpuExecutor;
 pub use frame::{Frame, GBuffer, Image, Indices, Instances, Light, Mesh, Resolution, Surface, Vertices};
 pub use gpu::{AdapterReport, Choice, Gpu, adapters};

@@ -83,11 +83,16 @@ pub(crate) fn seconds(stages: &[Stage], ticks: &[u64], period: f32) -> Vec<(Stag
     let mut sums: Vec<(Stage, f64)> = Vec::new();
     for (stage, pass) in stages.iter().zip(ticks.chunks_exact(2)) {
         let time = pass[1].saturating_sub(pass[0]) as f64 * f64::from(period) * 1.0e-9;
-        match sums.iter_mut().find(|(known, _)| known == stage) {
-            Some((_, sum)) => *sum += time,
-            None => sums.push((*stage, time)),
-        }
+        add(&mut sums, *stage, time);
     }
     sums.sort_by_key(|(stage, _)| *stage as u32);
     sums
+}
+
+/// Adds the seconds of a stage to those that it has taken already.
+pub(crate) fn add(sums: &mut Vec<(Stage, f64)>, stage: Stage, seconds: f64) {
+    match sums.iter_mut().find(|(known, _)| *known == stage) {
+        Some((_, sum)) => *sum += seconds,
+        None => sums.push((stage, seconds)),
+    }
 }

@@ -26,6 +26,25 @@ pub fn required() -> Result<Option<Gpu>, GpuError> {
     Gpu::open(&choice).map(Some)
 }
 
+/// The adapter that a test binary runs on, said on stdout; and whether its tests are to be skipped, since there is none and
+/// none has to be there. Where one has to be, every test fails with the reason.
+pub fn announced() -> (Result<Gpu, String>, bool) {
+    match required() {
+        Ok(Some(gpu)) => {
+            println!("tested on: {}", gpu.name);
+            (Ok(gpu), false)
+        }
+        Ok(None) => {
+            println!("SKIPPED: there is no adapter, and UMBRA4_GPU asks for none");
+            (Err("there is no adapter".to_owned()), true)
+        }
+        Err(error) => {
+            println!("{error}");
+            (Err(error.to_string()), false)
+        }
+    }
+}
+
 impl Wgpu {
     /// In blocks of at most `block` receivers, with kernels loaded in a given way.
     ///

@@ -3,11 +3,12 @@
 use proptest::prelude::*;
 use umbra4_core::{
     Bounds, Lattice,
-    gbuffer::{Pixel, Upwards, ViewParams, from_depth, unproject},
+    gbuffer::{Pixel, ViewParams, from_depth, unproject},
     glam::{
         DMat4, DVec3,
         dcamera::rh::{proj, view},
     },
+    surface::Upwards,
 };
 
 const SIZE: [u32; 2] = [1920, 1080];

@@ -7,12 +7,12 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use umbra4_core::PairWord;
 use umbra4_cpu::CpuWord;
 use umbra4_tests::{
-    gpu::{Wgpu, required},
+    gpu::{Wgpu, announced},
     ledger::Ledger,
     scenes::GENERATORS,
     suite,
 };
-use umbra4_wgpu::{Gpu, Loading};
+use umbra4_wgpu::Loading;
 
 /// Bits compared at least: a device is slower to ask than a processor, and the software one slower still.
 const BITS: u64 = 12_000_000;
@@ -59,16 +59,7 @@ impl Shared {
 
 fn main() {
     let arguments = Arguments::from_args();
-    let gpu = required();
-    match &gpu {
-        Ok(Some(gpu)) => println!("tested on: {}", gpu.name),
-        Ok(None) => println!("SKIPPED: there is no adapter, and UMBRA4_GPU asks for none"),
-        // Every test fails.
-        Err(error) => println!("{error}"),
-    }
-    let missing = matches!(gpu, Ok(None));
-    let gpu: Result<Gpu, String> =
-        gpu.map_err(|error| error.to_string()).and_then(|gpu| gpu.ok_or_else(|| "there is no adapter".to_owned()));
+    let (gpu, missing) = announced();
     let mut trials = Vec::new();
     for (prefix, loading) in LOADINGS {
         let subject = gpu.clone().and_then(|gpu| Wgpu::new(gpu, BLOCK, loading).map_err(|error| error.to_string()));

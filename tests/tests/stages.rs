@@ -21,7 +21,7 @@ use umbra4_core::{
 use umbra4_tests::{
     alone::{OnDevice, on_host},
     compare::{Amount, compare_masks},
-    gpu::required,
+    gpu::announced,
     oracle::{behind, hit},
     rng::Rng,
     scene::Inputs,
@@ -255,14 +255,7 @@ fn every_integer_helper(gpu: &Gpu) -> Result<(), Failed> {
 
 fn main() {
     let arguments = Arguments::from_args();
-    let gpu = required();
-    match &gpu {
-        Ok(Some(gpu)) => println!("tested on: {}", gpu.name),
-        Ok(None) => println!("SKIPPED: there is no adapter, and UMBRA4_GPU asks for none"),
-        // Every test fails.
-        Err(error) => println!("{error}"),
-    }
-    let missing = matches!(gpu, Ok(None));
+    let (gpu, missing) = announced();
     type Check = Box<dyn FnOnce(&Gpu) -> Result<(), Failed> + Send>;
     let mut checks: Vec<(String, Check)> = vec![("every_integer_helper".to_owned(), Box::new(every_integer_helper))];
     for (index, (name, _)) in GENERATORS.iter().enumerate() {
@@ -270,9 +263,7 @@ fn main() {
     }
     let trials = checks.into_iter().map(|(name, check)| {
         let gpu = gpu.clone();
-        let trial = Trial::test(name, move || {
-            check(&gpu.map_err(|error| Failed::from(error.to_string()))?.ok_or("there is no adapter")?)
-        });
+        let trial = Trial::test(name, move || check(&gpu.map_err(Failed::from)?));
         trial.with_ignored_flag(missing)
     });
     libtest_mimic::run(&arguments, trials.collect()).exit();

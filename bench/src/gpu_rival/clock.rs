@@ -1,14 +1,14 @@
 //! Time on the device: two timestamps a submission.
 
 use umbra4_wgpu::{
-    Gpu, GpuError,
+    Gpu, GpuError, guarded,
     wgpu::{
         Buffer, BufferDescriptor, BufferUsages, CommandEncoder, ComputePassTimestampWrites, Features,
         QUERY_RESOLVE_BUFFER_ALIGNMENT, QuerySet, QuerySetDescriptor, QueryType,
     },
 };
 
-use super::device::{guarded, read};
+use super::device::read;
 
 /// Timestamps of a number of submissions of one pass each.
 pub struct Clock {

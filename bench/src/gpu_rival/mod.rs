@@ -13,7 +13,7 @@ use std::time::Instant;
 use umbra4::model::Model;
 use umbra4_core::glam::Vec3;
 use umbra4_wgpu::{
-    Gpu, GpuError, Loading,
+    Gpu, GpuError, Loading, guarded,
     wgpu::{
         self, BindGroup, BindGroupDescriptor, BindGroupEntry, BindGroupLayout, BindGroupLayoutDescriptor,
         BindGroupLayoutEntry, BindingType, Buffer, BufferBindingType, BufferDescriptor, BufferUsages,
@@ -26,7 +26,7 @@ use umbra4_wgpu::{
 use crate::problem::Problem;
 use bvh4::{Bvh4, TRIANGLES_MOST};
 use clock::Clock;
-use device::{filled, guarded, read, wait, zeros};
+use device::{filled, read, wait, zeros};
 
 /// Edge of the block of samples that a workgroup shoots at; as in the shader.
 const BLOCK: u32 = 8;

@@ -3,7 +3,7 @@
 use umbra4_core::{
     Exact, Fast, PairWord,
     edge_plane::Occluder,
-    gbuffer::{Upwards, ViewParams},
+    gbuffer::ViewParams,
     kernel::{
         build_level::build_level,
         dispatch::{Dispatch, MaskLayout, counters, dispatches},
@@ -25,6 +25,7 @@ use umbra4_core::{
     params::Params,
     plan::{Pass, Plan},
     proj4::{KeyTile, Keys},
+    surface::Upwards,
 };
 
 macro_rules! check {

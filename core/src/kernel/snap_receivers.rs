@@ -1,8 +1,9 @@
 //! Kernels that make receivers of a G-buffer's pixels. Their textures are read by the entry point.
 
 use crate::{
-    gbuffer::{Pixel, Upwards, ViewParams, by_normal, by_owner, decode_normal, from_depth, from_position},
+    gbuffer::{Pixel, ViewParams, by_owner, decode_normal, from_depth, from_position},
     kernel::{NOWHERE, key_triangles::corners, store},
+    surface::{Upwards, by_normal},
 };
 
 /// The texel of pixel `id`; `None` where there is none.

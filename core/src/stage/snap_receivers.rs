@@ -5,7 +5,7 @@ use glam::{IVec3, Vec3};
 use crate::{
     snap::SnapParams,
     stage::snap_vertices::snap_vertices,
-    surface::{self, Lift},
+    surface::{self, Lift, Upwards, by_normal},
 };
 
 /// Rounds receiver `id` and lifts it along the dominant axis of its normal. `None` where the point cannot be snapped, or
@@ -19,9 +19,6 @@ pub fn snap_receivers(id: usize, params: &SnapParams, lift: Lift, world: &[Vec3]
 /// Lifts a snapped point along the dominant axis of `normal`; `None` where that is zero or not finite.
 #[inline]
 pub fn lifted(point: IVec3, normal: Vec3, lift: Lift) -> Option<IVec3> {
-    let (axis, sign) = surface::dominant_axis_f32(normal);
-    if sign == 0 || !normal.is_finite() {
-        return None;
-    }
-    Some(surface::lift(point, axis, sign * lift.steps()))
+    let Upwards { axis, sign } = by_normal(normal);
+    if sign == 0 { None } else { Some(surface::lift(point, axis, sign * lift.steps())) }
 }

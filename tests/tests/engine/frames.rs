@@ -2,12 +2,13 @@
 
 use umbra4_core::{
     AreaLight, LatticeLight, Lift,
-    gbuffer::{NormalEncoding, Pixel, Upwards, ViewParams, from_depth},
+    gbuffer::{NormalEncoding, Pixel, ViewParams, from_depth},
     glam::{
         DVec3, IVec3,
         dcamera::rh::{proj, view},
     },
     kernel::{NOWHERE, status::Status},
+    surface::Upwards,
 };
 use umbra4_tests::{
     compare::{Amount, compare_masks, lit_counts},

@@ -12,7 +12,7 @@ mod renderer;
 mod scene;
 
 use libtest_mimic::{Arguments, Failed, Trial};
-use umbra4_tests::gpu::required;
+use umbra4_tests::gpu::announced;
 use umbra4_wgpu::Gpu;
 
 type Check = fn(&Gpu);
@@ -40,19 +40,11 @@ const CHECKS: [(&str, Check); 18] = [
 
 fn main() {
     let arguments = Arguments::from_args();
-    let gpu = required();
-    match &gpu {
-        Ok(Some(gpu)) => println!("tested on: {}", gpu.name),
-        Ok(None) => println!("SKIPPED: there is no adapter, and UMBRA4_GPU asks for none"),
-        // Every test fails.
-        Err(error) => println!("{error}"),
-    }
-    let missing = matches!(gpu, Ok(None));
+    let (gpu, missing) = announced();
     let trials = CHECKS.map(|(name, check)| {
         let gpu = gpu.clone();
         let trial = Trial::test(name, move || {
-            let gpu = gpu.map_err(|error| Failed::from(error.to_string()))?.ok_or("there is no adapter")?;
-            check(&gpu);
+            check(&gpu.map_err(Failed::from)?);
             Ok(())
         });
         trial.with_ignored_flag(missing)
