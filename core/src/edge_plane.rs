@@ -121,6 +121,11 @@ impl Occluder {
     /// Orients a triangle towards the light. `None` where its plane holds every sample, or it has no plane: it blocks
     /// nothing.
     pub fn facing(light: &LatticeLight, corners: [IVec3; 3]) -> Option<Self> {
+        #[cfg(not(target_arch = "spirv"))]
+        if let Some(side) = long_side(light, corners) {
+            let [a, b, c] = corners;
+            return Some(Self::new(if side { [a, b, c] } else { [a, c, b] }, false));
+        }
         let form = exact::triangle_form::<Wide>(*light, corners);
         let (row, column) = (light.rows as i32 - 1, light.columns as i32 - 1);
         let signs = [form.sign_at(0, 0), form.sign_at(0, column), form.sign_at(row, 0), form.sign_at(row, column)];
@@ -176,6 +181,30 @@ impl Occluder {
             c += 1;
         }
         out
+    }
+}
+
+/// On which side of the triangle's plane all samples surely lie, in f64. Terms are products of three integers below 2^31
+/// with at most eight roundings, relative to the sum over absolute values.
+#[cfg(not(target_arch = "spirv"))]
+#[inline]
+fn long_side(light: &LatticeLight, [a, b, c]: [IVec3; 3]) -> Option<bool> {
+    let (e, f, d) = ((b - a).as_dvec3(), (c - a).as_dvec3(), (light.origin - a).as_dvec3());
+    let u = light.step_u.as_dvec3() * f64::from(light.columns - 1);
+    let v = light.step_v.as_dvec3() * f64::from(light.rows - 1);
+    let n = e.cross(f);
+    let (e, f) = (e.abs(), f.abs());
+    let permanent = glam::DVec3::new(e.y * f.z + e.z * f.y, e.z * f.x + e.x * f.z, e.x * f.y + e.y * f.x);
+    let doubt = 16.0 * f64::EPSILON * permanent.dot(d.abs() + u.abs() + v.abs());
+    let (at, along, across) = (n.dot(d), n.dot(u), n.dot(v));
+    let lowest = at + along.min(0.0) + across.min(0.0);
+    let highest = at + along.max(0.0) + across.max(0.0);
+    if lowest > doubt {
+        Some(true)
+    } else if highest < -doubt {
+        Some(false)
+    } else {
+        None
     }
 }
 

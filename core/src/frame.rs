@@ -77,7 +77,7 @@ pub struct FramePoint {
 /// Relative error of a dot product of rounded axes and rounded differences, against the sum over absolute values:
 /// one rounding each for the axis and the difference, one for the product, two for the sums, with 2^-23 each for any
 /// rounding direction; and one more for the bound's own arithmetic, and one to spare.
-const DOT_ERROR: f32 = 7.0 * f32::EPSILON;
+pub(crate) const DOT_ERROR: f32 = 7.0 * f32::EPSILON;
 
 impl LightFrame {
     /// Computed on the host, in f64, and rounded once to f32.

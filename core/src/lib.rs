@@ -41,6 +41,12 @@ pub mod wide;
 #[cfg(not(target_arch = "spirv"))]
 pub mod area_light;
 #[cfg(not(target_arch = "spirv"))]
+pub mod corner;
+#[cfg(not(target_arch = "spirv"))]
+pub mod depth;
+#[cfg(not(target_arch = "spirv"))]
+pub mod edge_trace;
+#[cfg(not(target_arch = "spirv"))]
 pub mod executor;
 #[cfg(not(target_arch = "spirv"))]
 pub mod grid;
@@ -50,6 +56,8 @@ pub mod lattice;
 pub mod plan;
 #[cfg(not(target_arch = "spirv"))]
 pub mod serial;
+#[cfg(not(target_arch = "spirv"))]
+pub mod silhouette;
 
 pub use glam;
 

@@ -9,12 +9,16 @@ pub trait MaskWord: Copy + Eq + Default + Send + Sync + bytemuck::Pod + core::fm
     const BITS: u32;
     /// The word without a bit.
     const EMPTY: Self;
+    /// The word with all bits.
+    const ALL: Self;
     /// The word whose bits `0..end` are set; `end` in `0..=BITS`.
     fn below(end: u32) -> Self;
     /// Bits in either word.
     fn or(self, other: Self) -> Self;
     /// Bits in both words.
     fn and(self, other: Self) -> Self;
+    /// Bits in one of both words.
+    fn xor(self, other: Self) -> Self;
     /// Bits in `self` that are not in `other`.
     fn without(self, other: Self) -> Self;
     /// Number of bits set.
@@ -37,6 +41,7 @@ macro_rules! mask_word {
         impl MaskWord for $word {
             const BITS: u32 = <$word>::BITS;
             const EMPTY: Self = 0;
+            const ALL: Self = <$word>::MAX;
 
             // A shift by the whole width is no shift in any instruction set, hence the selection.
             #[inline(always)]
@@ -53,6 +58,11 @@ macro_rules! mask_word {
             #[inline(always)]
             fn and(self, other: Self) -> Self {
                 self & other
+            }
+
+            #[inline(always)]
+            fn xor(self, other: Self) -> Self {
+                self ^ other
             }
 
             #[inline(always)]
@@ -95,6 +105,7 @@ pub struct PairWord {
 impl MaskWord for PairWord {
     const BITS: u32 = 64;
     const EMPTY: Self = Self { low: 0, high: 0 };
+    const ALL: Self = Self { low: u32::MAX, high: u32::MAX };
 
     #[inline(always)]
     fn below(end: u32) -> Self {
@@ -110,6 +121,11 @@ impl MaskWord for PairWord {
     #[inline(always)]
     fn and(self, other: Self) -> Self {
         Self { low: self.low & other.low, high: self.high & other.high }
+    }
+
+    #[inline(always)]
+    fn xor(self, other: Self) -> Self {
+        Self { low: self.low ^ other.low, high: self.high ^ other.high }
     }
 
     #[inline(always)]

@@ -46,13 +46,10 @@ use crate::{
     lanes::{Lanes, TILE},
     light::LatticeLight,
     precision::PrecisionMode,
-    real::Real,
     trace::{Crossing, FLAT, MOST_PLANE_DOUBT, OwnSide, Side},
     view::{LEAST_HEIGHT, View},
 };
 
-/// Second-order terms, and the bound's own arithmetic.
-const SPARE: f32 = 1.125;
 /// Doubts of as many columns or more are not looked at here: half a column would hold no certain one.
 const MOST_DOUBT: f32 = 0.25;
 
@@ -191,7 +188,7 @@ impl<const E: usize> Outlines<E> {
         mixed: bool,
         wanted: u32,
     ) -> Seen {
-        let (corners, lost, lost_height) = view.corners::<L, P>(occluder);
+        let (corners, lost, lost_height) = view.corners::<L, P>(&occluder.from(view.base));
         let mut own = OwnSide::NONE;
         if mixed {
             own = OwnSide::of::<L, P>(grid, occluder);
@@ -245,20 +242,9 @@ impl<const E: usize> Outlines<E> {
         // δ of the module's notes.
         let mut off = zero;
         if P::CERTIFIED {
-            let unit = SPARE * L::ROUNDOFF;
-            let v = &view.bound;
             let e = right.max(zero.sub(left)).max(high.max(zero.sub(low)));
             let inverse = a.inverse.max(b.inverse).max(c.inverse);
-            // δ as in the notes, sorted by what it is multiplied with.
-            let lost_height = triangle.lost_height * unit;
-            let of_e = (v.per_e + v.per_q) * unit;
-            let constant = (v.constant + v.aside * v.per_q) * unit;
-            off = e.mul_add(L::splat(of_e), L::splat(constant));
-            let per_inverse = at[2].mul_add(L::splat(triangle.lost * unit), L::splat(v.aside * lost_height));
-            off = inverse.mul_add(e.mul_add(L::splat(lost_height), per_inverse), off);
-            if L::Long::AXIS_ERRORS > 0.0 {
-                off = e.mul(e.add(L::splat(v.aside))).mul_add(L::splat(v.per_eq * unit), off);
-            }
+            off = view.uncertainty::<L>(at[2], e, inverse, triangle.lost, triangle.lost_height);
         }
 
         // Twice the area, positive where the receiver is on the triangle's far side.

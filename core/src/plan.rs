@@ -8,9 +8,11 @@ use crate::{executor::Executor, hierarchy::Levels, stage::Stage};
 /// How triangles and receivers are paired. Decides speed, never a bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum IndexKind {
-    /// [`crate::hierarchy`].
+    /// [`crate::hierarchy`], over all triangles.
     #[default]
     Hierarchy,
+    /// [`crate::silhouette`]: hierarchies over its edges, and over what triangles it leaves.
+    Silhouette,
     /// [`crate::grid`], the paper's.
     Grid,
 }
@@ -56,8 +58,8 @@ impl Plan {
     /// Decides what runs.
     pub fn new(facts: SceneFacts) -> Self {
         let levels = match facts.index {
-            IndexKind::Hierarchy => Levels::of(facts.triangles),
             IndexKind::Grid => Levels::default(),
+            IndexKind::Hierarchy | IndexKind::Silhouette => Levels::of(facts.triangles),
         };
         Self { facts, levels }
     }
@@ -86,11 +88,14 @@ impl Plan {
         };
         once(Stage::SnapVertices, facts.new_vertices, 0)?;
         once(Stage::KeyTriangles, facts.triangles, 0)?;
-        if facts.index == IndexKind::Hierarchy {
+        if facts.index != IndexKind::Grid {
             once(Stage::OrderTriangles, facts.triangles, 0)?;
         }
         for level in 1..self.levels.count() {
             once(Stage::BuildLevel, self.levels.range(level).len() as u32, level as u32)?;
+        }
+        if facts.index == IndexKind::Silhouette {
+            once(Stage::FindSilhouette, facts.triangles, 0)?;
         }
         let mut first = 0;
         while first < facts.receivers {
@@ -98,7 +103,7 @@ impl Plan {
             once(Stage::SnapReceivers, if facts.world_receivers { count } else { 0 }, first)?;
             once(Stage::KeyReceivers, count, first)?;
             match facts.index {
-                IndexKind::Hierarchy => {
+                IndexKind::Hierarchy | IndexKind::Silhouette => {
                     once(Stage::OrderReceivers, count, first)?;
                     once(Stage::Resolve, count.div_ceil(crate::lanes::TILE as u32), first)?;
                 }
@@ -126,14 +131,22 @@ impl Plan {
             Stage::SnapVertices => (true, "new vertices"),
             Stage::SnapReceivers if !facts.world_receivers => (false, "the receivers are on the lattice already"),
             Stage::SnapReceivers => (true, "receivers in world space"),
-            Stage::OrderTriangles | Stage::BuildLevel | Stage::OrderReceivers | Stage::Resolve if grid => {
+            Stage::OrderTriangles
+            | Stage::BuildLevel
+            | Stage::FindSilhouette
+            | Stage::OrderReceivers
+            | Stage::Resolve
+                if grid =>
+            {
                 (false, "the grid is the index")
             }
             Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells if !grid => {
                 (false, "the hierarchy is the index")
             }
-            Stage::KeyTriangles | Stage::OrderTriangles | Stage::BinTriangles if !triangles => (false, "no triangles"),
-            Stage::KeyTriangles | Stage::OrderTriangles | Stage::BinTriangles => (true, "triangles to index"),
+            Stage::FindSilhouette if facts.index != IndexKind::Silhouette => (false, "triangles are taken one by one"),
+            Stage::FindSilhouette if triangles => (true, "edges inside a surface change nothing"),
+            Stage::KeyTriangles | Stage::OrderTriangles | Stage::FindSilhouette | Stage::BinTriangles if !triangles => (false, "no triangles"),
+            Stage::KeyTriangles | Stage::OrderTriangles | Stage::FindSilhouette | Stage::BinTriangles => (true, "triangles to index"),
             Stage::BuildLevel if self.levels.count() < 2 => (false, "one node holds all triangles"),
             Stage::BuildLevel => (true, "more triangles than a node holds"),
             Stage::DefineFrame | Stage::BinReceivers => (true, "receivers to index"),

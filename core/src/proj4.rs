@@ -22,7 +22,8 @@
 use glam::IVec3;
 
 use crate::{
-    frame::{FramePoint, LightFrame},
+    edge_plane::ReceiverTile,
+    frame::{DOT_ERROR, FramePoint, LightFrame},
     lanes::{Lanes, TILE},
 };
 
@@ -136,6 +137,30 @@ impl NeedTile {
         }
     }
 
+    /// What the receivers of a tile ask of the light that `frame` belongs to.
+    #[inline(always)]
+    pub(crate) fn of<L: Lanes>(frame: &LightFrame, receivers: &ReceiverTile) -> Self {
+        let mut needs = Self::NOTHING;
+        let origin = frame.origin.to_array();
+        let mut first = 0;
+        while first < TILE {
+            let p = receivers.load::<L>(first);
+            let d = [
+                L::difference(p[0], L::splat_int(origin[0])),
+                L::difference(p[1], L::splat_int(origin[1])),
+                L::difference(p[2], L::splat_int(origin[2])),
+            ];
+            let keys = keys_of_receivers(frame, &d);
+            let mut k = 0;
+            while k < KEYS {
+                keys[k].store(&mut needs.0[k], first);
+                k += 1;
+            }
+            first += L::WIDTH;
+        }
+        needs
+    }
+
     /// Which of the receivers a triangle with the keys `reach` may block something from.
     #[inline(always)]
     pub fn dominated_by<L: Lanes>(&self, reach: &Keys) -> u32 {
@@ -179,31 +204,59 @@ pub fn covers(triangle: &Keys, receiver: &Keys) -> bool {
     covered
 }
 
+/// Division may be off by 2.5 ulp, a reciprocal and a product by 4; 2^-20 also covers the sum that made the dividend.
+const SLACK: f32 = 8.0 * f32::EPSILON;
+
 /// An upper bound of `x/w` for x ≤ `x_high` and w in `w_low..=w_high`, `w_low > 0`.
 #[inline(always)]
 fn quotient_above(x_high: f32, w_low: f32, w_high: f32) -> f32 {
-    // Division may be off by 2.5 ulp; 2^-20 also covers the sum that made `x_high`.
-    const SLACK: f32 = 8.0 * f32::EPSILON;
     let q = x_high / if x_high >= 0.0 { w_low } else { w_high };
     q + q.abs() * SLACK
 }
 
-/// The keys of a receiver: rounded down. The receiver is in front of the light (that is decided in integers before).
+/// A coordinate in a light's frame, and its error bound.
+#[inline(always)]
+fn place<L: Lanes>(axis: glam::Vec3, d: &[L; 3]) -> (L, L) {
+    let (x, y, z) = (d[0].mul(L::splat(axis.x)), d[1].mul(L::splat(axis.y)), d[2].mul(L::splat(axis.z)));
+    (x.add(y).add(z), x.abs().add(y.abs()).add(z.abs()).mul(L::splat(DOT_ERROR)))
+}
+
+/// A lower bound of `x/w` for x known to within `error` and w between two bounds whose reciprocals are given.
+#[inline(always)]
+fn quotient_below<L: Lanes>(x: L, error: L, inverse_low: L, inverse_high: L) -> L {
+    let (zero, x_high) = (L::splat(0.0), error.sub(x));
+    let q = x_high.mul(L::select(x_high.ge(zero), inverse_low, inverse_high));
+    zero.sub(q.abs().mul_add(L::splat(SLACK), q))
+}
+
+/// The keys of receivers, given by their differences from the light's first sample: rounded down. The receivers are in
+/// front of the light (that is decided in integers before).
+#[inline(always)]
+pub(crate) fn keys_of_receivers<L: Lanes>(frame: &LightFrame, d: &[L; 3]) -> [L; KEYS] {
+    let (zero, touching) = (L::splat(0.0), L::splat(TOUCHING));
+    let ((a, error_a), (b, error_b)) = (place(frame.along_u, d), place(frame.along_v, d));
+    let (w, error_w) = place(frame.normal, d);
+    let (low, high) = (w.sub(error_w), w.add(error_w));
+    let clear = low.ge(touching);
+    let (inverse_low, inverse_high) = (low.max(touching).recip(), high.max(touching).recip());
+    let (column, row) = (L::splat(frame.last_column), L::splat(frame.last_row));
+    let far_a = error_a.add(L::splat(frame.last_column * f32::EPSILON));
+    let far_b = error_b.add(L::splat(frame.last_row * f32::EPSILON));
+    let bound = L::splat(-UNBOUNDED);
+    [
+        L::select(clear, quotient_below(a, error_a, inverse_low, inverse_high), bound),
+        L::select(clear, quotient_below(column.sub(a), far_a, inverse_low, inverse_high), bound),
+        L::select(clear, quotient_below(b, error_b, inverse_low, inverse_high), bound),
+        L::select(clear, quotient_below(row.sub(b), far_b, inverse_low, inverse_high), bound),
+        zero.sub(high),
+    ]
+}
+
+/// The keys of a receiver.
 #[inline]
 pub fn receiver_keys(frame: &LightFrame, p: IVec3) -> Keys {
-    let q = frame.place(p);
-    let (low, high) = (q.w - q.error_w, q.w + q.error_w);
-    if low < TOUCHING {
-        return [-UNBOUNDED, -UNBOUNDED, -UNBOUNDED, -UNBOUNDED, -high];
-    }
-    let below = |x: f32, error: f32| -quotient_above(error - x, low, high);
-    [
-        below(q.a, q.error_a),
-        below(frame.last_column - q.a, q.error_a + frame.last_column * f32::EPSILON),
-        below(q.b, q.error_b),
-        below(frame.last_row - q.b, q.error_b + frame.last_row * f32::EPSILON),
-        -high,
-    ]
+    let d = p - frame.origin;
+    keys_of_receivers(frame, &[d.x as f32, d.y as f32, d.z as f32])
 }
 
 /// The keys of a triangle: rounded up. `None` where no point of it lies in front of the light: it blocks nothing.
@@ -248,4 +301,70 @@ pub fn triangle_keys(frame: &LightFrame, corners: &[IVec3; 3]) -> Option<Keys> {
     }
     out[4] = -lowest;
     Some(out)
+}
+
+/// What a vertex brings to the keys of its triangles and edges, for a light and for the light of its first sample alone: for
+/// executors with room to keep it, so that nothing is divided twice.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg(not(target_arch = "spirv"))]
+pub struct VertexKeys {
+    /// Slopes from the first column, from the last (negated), from the first row, from the last (negated); the height
+    /// (negated); slopes from the first column and the first row, negated.
+    keys: [f32; 8],
+}
+
+#[cfg(not(target_arch = "spirv"))]
+impl VertexKeys {
+    /// Of one vertex. Without use where it reaches the light plane: [`VertexKeys::touches`].
+    #[inline]
+    pub fn new(frame: &LightFrame, p: IVec3) -> Self {
+        let q = frame.place(p);
+        let (low, high) = (q.w - q.error_w, q.w + q.error_w);
+        let far_a = q.error_a + frame.last_column * f32::EPSILON;
+        let far_b = q.error_b + frame.last_row * f32::EPSILON;
+        let above = |x: f32| quotient_above(x, Lanes::max(low, TOUCHING), high);
+        Self {
+            keys: [
+                above(q.a + q.error_a),
+                above((frame.last_column - q.a) + far_a),
+                above(q.b + q.error_b),
+                above((frame.last_row - q.b) + far_b),
+                -low,
+                above(q.error_a - q.a),
+                above(q.error_b - q.b),
+                0.0,
+            ],
+        }
+    }
+
+    /// The keys of everything between vertices are the largest of theirs.
+    #[inline]
+    #[must_use]
+    pub fn and(&self, other: &Self) -> Self {
+        let mut keys = self.keys;
+        for (key, more) in keys.iter_mut().zip(&other.keys) {
+            *key = Lanes::max(*key, *more);
+        }
+        Self { keys }
+    }
+
+    /// Whether a vertex touches the light plane, or lies behind it: slopes have no bound.
+    #[inline]
+    pub fn touches(&self) -> bool {
+        self.keys[4] > -TOUCHING
+    }
+
+    /// Keys for the light.
+    #[inline]
+    pub fn for_light(&self) -> Keys {
+        let [a, last_a, b, last_b, low, ..] = self.keys;
+        [a, last_a, b, last_b, low]
+    }
+
+    /// Keys for the light of its first sample.
+    #[inline]
+    pub fn for_corner(&self) -> Keys {
+        let [a, _, b, _, low, less_a, less_b, _] = self.keys;
+        [a, less_a, b, less_b, low]
+    }
 }

@@ -80,9 +80,9 @@ pub enum SerialError {
         /// Index of the element.
         index: u32,
     },
-    /// The plan asks for the grid; the serial executor knows the hierarchy only.
+    /// The plan asks for another index; the serial executor knows the hierarchy only.
     #[error("the serial executor does not run {stage:?}")]
-    NoGrid {
+    OtherIndex {
         /// The stage.
         stage: Stage,
     },
@@ -246,8 +246,8 @@ impl<W: MaskWord, P: PrecisionMode> Executor for Serial<'_, W, P> {
                 (order.map(sort), "receiver_order")
             }
             Stage::Resolve => (self.resolve(pass), "masks or receiver_order"),
-            Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells => {
-                return Err(SerialError::NoGrid { stage: pass.stage });
+            Stage::FindSilhouette | Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells => {
+                return Err(SerialError::OtherIndex { stage: pass.stage });
             }
             Stage::Reduce => (self.reduce(pass), "masks or visibility"),
         };

@@ -10,10 +10,10 @@
 //! normal's own error counts in both terms: it is relative to its magnitudes, which a sliver's normal is far below. So
 //! those are multiplied with `|a − b| + |p − b|`.
 
-use glam::Vec3;
+use glam::IVec3;
 
 use crate::{
-    edge_plane::{Occluder, ReceiverTile, cross_magnitudes, float},
+    edge_plane::{Occluder, ReceiverTile},
     exact::{self, Wide},
     lanes::{Lanes, TILE},
     precision::PrecisionMode,
@@ -31,11 +31,11 @@ pub struct Sides {
     pub negative: u32,
 }
 
-/// A triangle's plane from a group's base.
-struct Plane {
-    normal: Vec3,
-    at_base: f32,
-    doubt: f32,
+/// Planes from a group's base: `n·(a − p)` for a point a of each. Axis-major.
+pub(crate) struct Planes<const N: usize> {
+    normals: [[f32; N]; 3],
+    at_base: [f32; N],
+    doubt: [f32; N],
 }
 
 impl Sides {
@@ -48,20 +48,9 @@ impl Sides {
         wanted: u32,
         fallbacks: &mut Tally,
     ) -> Self {
-        let plane = Plane::of::<L, P>(view, occluder);
-        let (mut positive, mut unsure) = (0, 0);
-        let mut first = 0;
-        while first < TILE {
-            let side = L::load(&view.offset[0], first).mul_add(L::splat(-plane.normal.x), L::splat(plane.at_base));
-            let side = L::load(&view.offset[1], first).mul_add(L::splat(-plane.normal.y), side);
-            let side = L::load(&view.offset[2], first).mul_add(L::splat(-plane.normal.z), side);
-            positive |= L::bits(side.ge(L::splat(Lanes::max(plane.doubt, f32::MIN_POSITIVE)))) << first;
-            if P::CERTIFIED {
-                let doubt = L::splat(plane.doubt);
-                unsure |= L::bits(L::both(doubt.ge(side), side.ge(L::splat(0.0).sub(doubt)))) << first;
-            }
-            first += L::WIDTH;
-        }
+        let [a, b, c] = occluder.corners();
+        let planes = Planes::spanned::<L, P>(view, &single(b - a), &single(c - a), &single(a - view.base));
+        let (positive, unsure) = planes.signs::<L, P>(view, 0);
         let unsure = unsure & wanted;
         let mut sides = Self { positive: positive & wanted & !unsure, negative: wanted & !positive & !unsure };
         if P::CERTIFIED && unsure != 0 {
@@ -84,21 +73,65 @@ impl Sides {
     }
 }
 
-impl Plane {
+impl<const N: usize> Planes<N> {
+    /// The planes along `e` and `f` that pass `d` from the base.
     #[inline(always)]
-    fn of<L: Lanes, P: PrecisionMode>(view: &View<L::Long>, occluder: &Occluder) -> Self {
-        let [a, b, c] = occluder.corners();
-        let (e, f, d) = (b - a, c - a, a - view.base);
-        let normal = L::Long::cross(e, f);
-        let at_base = L::Long::dot(&normal, d).to_f32();
-        let normal = Vec3::new(normal[0].to_f32(), normal[1].to_f32(), normal[2].to_f32());
-        let mut doubt = 0.0;
+    pub(crate) fn spanned<L: Lanes, P: PrecisionMode>(
+        view: &View<L::Long>,
+        e: &[[i32; N]; 3],
+        f: &[[i32; N]; 3],
+        d: &[[i32; N]; 3],
+    ) -> Self {
+        let (normals, at_base) = L::Long::planes(e, f, d);
+        let mut doubt = [0.0; N];
         if P::CERTIFIED {
-            let lost =
-                L::Long::SIDE_ERROR * cross_magnitudes(float(e), float(f)).dot(float(d).abs() + view.offset_limit);
-            let near = 7.0 * normal.abs().dot(view.offset_limit) + 3.0 * Lanes::abs(at_base);
-            doubt = lost + near * L::ROUNDOFF;
+            let limit = view.offset_limit;
+            let mut k = 0;
+            while k < N {
+                let (ex, ey, ez) = (magnitude(e[0][k]), magnitude(e[1][k]), magnitude(e[2][k]));
+                let (fx, fy, fz) = (magnitude(f[0][k]), magnitude(f[1][k]), magnitude(f[2][k]));
+                let lost = (ey * fz + ez * fy) * (magnitude(d[0][k]) + limit.x)
+                    + (ez * fx + ex * fz) * (magnitude(d[1][k]) + limit.y)
+                    + (ex * fy + ey * fx) * (magnitude(d[2][k]) + limit.z);
+                let offset = Lanes::abs(normals[0][k]) * limit.x
+                    + Lanes::abs(normals[1][k]) * limit.y
+                    + Lanes::abs(normals[2][k]) * limit.z;
+                let near = 7.0 * offset + 3.0 * Lanes::abs(at_base[k]);
+                doubt[k] = L::Long::SIDE_ERROR * lost + near * L::ROUNDOFF;
+                k += 1;
+            }
         }
-        Self { normal, at_base, doubt }
+        Self { normals, at_base, doubt }
     }
+
+    /// Lanes in which the value of plane `k < N` is surely positive, and those in which its sign is not known.
+    #[inline(always)]
+    pub(crate) fn signs<L: Lanes, P: PrecisionMode>(&self, view: &View<L::Long>, k: usize) -> (u32, u32) {
+        let normal = [-self.normals[0][k], -self.normals[1][k], -self.normals[2][k]];
+        let (at_base, doubt) = (L::splat(self.at_base[k]), self.doubt[k]);
+        let (mut positive, mut unsure) = (0, 0);
+        let mut first = 0;
+        while first < TILE {
+            let side = L::load(&view.offset[0], first).mul_add(L::splat(normal[0]), at_base);
+            let side = L::load(&view.offset[1], first).mul_add(L::splat(normal[1]), side);
+            let side = L::load(&view.offset[2], first).mul_add(L::splat(normal[2]), side);
+            positive |= L::bits(side.ge(L::splat(Lanes::max(doubt, f32::MIN_POSITIVE)))) << first;
+            if P::CERTIFIED {
+                let doubt = L::splat(doubt);
+                unsure |= L::bits(L::both(doubt.ge(side), side.ge(L::splat(0.0).sub(doubt)))) << first;
+            }
+            first += L::WIDTH;
+        }
+        (positive & !unsure, unsure)
+    }
+}
+
+#[inline(always)]
+fn single(v: IVec3) -> [[i32; 1]; 3] {
+    [[v.x], [v.y], [v.z]]
+}
+
+#[inline(always)]
+fn magnitude(x: i32) -> f32 {
+    Lanes::abs(x as f32)
 }

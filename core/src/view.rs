@@ -4,7 +4,7 @@
 use glam::{IVec3, Vec3};
 
 use crate::{
-    edge_plane::{LightGrid, Occluder, ReceiverTile, float},
+    edge_plane::{LightGrid, ReceiverTile, float},
     lanes::{Lanes, TILE},
     precision::PrecisionMode,
     real::{Axis, Real},
@@ -12,6 +12,9 @@ use crate::{
 
 /// Heights are used where they exceed their sum over absolute values by this: relative errors stay small.
 pub(crate) const LEAST_HEIGHT: f32 = 1.0 / 1024.0;
+
+/// Second-order terms, and the bound's own arithmetic.
+const SPARE: f32 = 1.125;
 
 /// Sixteen receivers in the light's sheared frame.
 #[derive(Clone, Copy, Debug)]
@@ -134,14 +137,14 @@ impl<R: Real> View<R> {
         };
     }
 
-    /// Corners along the axes, from the base, and what is lost in the worst of them, beside and in height.
+    /// Corners along the axes, given by their differences from the base, and what is lost in the worst of the first three,
+    /// beside and in height.
     #[inline(always)]
     pub(crate) fn corners<L: Lanes<Long = R>, P: PrecisionMode>(
         &self,
-        occluder: &Occluder,
+        d: &[[i32; 4]; 3],
     ) -> ([[f32; 4]; 3], f32, f32) {
-        let d = occluder.from(self.base);
-        let out = L::dots(&self.axes, &d);
+        let out = L::dots(&self.axes, d);
         let (mut lost, mut lost_height) = (self.bound.beside, self.bound.beside_height);
         if P::CERTIFIED && R::DOT_ERRORS > 0.0 {
             let mut c = 0;
@@ -155,6 +158,26 @@ impl<R: Real> View<R> {
         (out, lost, lost_height)
     }
 
+    /// δ of [`crate::outline`], columns or rows: how well corners are known that lie at most `e` from sample (0, 0), the
+    /// lowest of them at a height above the receiver of which `inverse` is the reciprocal. `height` is the receivers', `lost`
+    /// and `lost_height` come from [`View::corners`].
+    #[inline(always)]
+    pub(crate) fn uncertainty<L: Lanes>(&self, height: L, e: L, inverse: L, lost: f32, lost_height: f32) -> L {
+        let unit = SPARE * L::ROUNDOFF;
+        let v = &self.bound;
+        // δ as in the notes, sorted by what it is multiplied with.
+        let lost_height = lost_height * unit;
+        let of_e = (v.per_e + v.per_q) * unit;
+        let constant = (v.constant + v.aside * v.per_q) * unit;
+        let off = e.mul_add(L::splat(of_e), L::splat(constant));
+        let per_inverse = height.mul_add(L::splat(lost * unit), L::splat(v.aside * lost_height));
+        let off = inverse.mul_add(e.mul_add(L::splat(lost_height), per_inverse), off);
+        if R::AXIS_ERRORS > 0.0 {
+            return e.mul(e.add(L::splat(v.aside))).mul_add(L::splat(v.per_eq * unit), off);
+        }
+        off
+    }
+
     /// Projects a corner. Lanes of which it is not clearly above the receiver leave `front`; their corner is finite.
     #[inline(always)]
     pub(crate) fn corner<L: Lanes>(
@@ -166,16 +189,27 @@ impl<R: Real> View<R> {
         least: L,
         front: &mut u32,
     ) -> Corner<L> {
-        let rise = L::splat(corners[2][c]).sub(L::load(&self.beside[2], first));
+        let [along, across, rise] = self.offset_of::<L>(first, corners, c);
         *front &= L::bits(rise.ge(least));
         let inverse = rise.max(least).recip();
         let s = at[2].mul(inverse);
-        Corner {
-            column: L::splat(corners[0][c]).sub(L::load(&self.beside[0], first)).mul_add(s, at[0]),
-            row: L::splat(corners[1][c]).sub(L::load(&self.beside[1], first)).mul_add(s, at[1]),
-            rise,
-            inverse,
-        }
+        Corner { column: along.mul_add(s, at[0]), row: across.mul_add(s, at[1]), rise, inverse }
+    }
+
+    /// Of one lane's receiver, how much lower than the base it lies.
+    #[inline(always)]
+    pub(crate) fn beside_height(&self, lane: usize) -> f32 {
+        self.beside[2][lane % TILE]
+    }
+
+    /// A corner from the receivers, along the axes: columns, rows, and height above them.
+    #[inline(always)]
+    pub(crate) fn offset_of<L: Lanes>(&self, first: usize, corners: &[[f32; 4]; 3], c: usize) -> [L; 3] {
+        [
+            L::splat(corners[0][c]).sub(L::load(&self.beside[0], first)),
+            L::splat(corners[1][c]).sub(L::load(&self.beside[1], first)),
+            L::splat(corners[2][c]).sub(L::load(&self.beside[2], first)),
+        ]
     }
 }
 

@@ -96,7 +96,7 @@ impl Default for CpuExecutor {
 impl CpuExecutor {
     /// An executor on rayon's global threads, exact, with the widest instruction set of the processor.
     pub fn new() -> Self {
-        Self { precision: Precision::Exact, isa: Isa::best(), index: Index::Hierarchy, pool: None }
+        Self { precision: Precision::Exact, isa: Isa::best(), index: Index::Auto, pool: None }
     }
 
     /// Uses `threads` threads of its own (0: as many as the machine has).
@@ -149,6 +149,7 @@ impl CpuExecutor {
             block: BLOCK,
             index: match self.index {
                 Index::Hierarchy => IndexKind::Hierarchy,
+                Index::Auto | Index::Silhouette => IndexKind::Silhouette,
                 Index::Grid(_) => IndexKind::Grid,
             },
         })
@@ -167,13 +168,14 @@ impl CpuExecutor {
         let rows = light.rows as usize;
         let too_many = ExecutorError::TooManyWords { receivers: receivers.len(), rows: light.rows };
         let count = receivers.len().checked_mul(rows).ok_or_else(|| too_many.clone())?;
-        let mut words = Vec::new();
-        words.try_reserve_exact(count).map_err(|_| too_many)?;
-        words.resize(count, W::EMPTY);
+        // The system's zero pages: those of receivers in full light are never touched.
+        let mut words = bytemuck::allocation::try_zeroed_vec::<W>(count).map_err(|()| too_many)?;
         let out = Scatter::new(&mut words);
         let statistics = self.run::<W>(occluders, light, receivers, false, |answer| {
-            // SAFETY: every receiver is visited once, and its part is its own.
-            unsafe { out.part(answer.receiver * rows, rows) }.copy_from_slice(answer.rows);
+            if !answer.lit {
+                // SAFETY: every receiver is visited once, and its part is its own.
+                unsafe { out.part(answer.receiver * rows, rows) }.copy_from_slice(answer.rows);
+            }
         })?;
         Ok((Masks { rows, words }, statistics))
     }
@@ -204,7 +206,12 @@ impl CpuExecutor {
         light: &LatticeLight,
         receivers: &Receivers,
     ) -> Result<(Vec<u32>, Statistics), ExecutorError> {
-        self.per_receiver(occluders, light, receivers, |answer| answer.pairs)
+        // The silhouette has no pairs to count.
+        let one_by_one = match self.index {
+            Index::Grid(_) => self.clone(),
+            _ => self.clone().with_index(Index::Hierarchy),
+        };
+        one_by_one.per_receiver(occluders, light, receivers, |answer| answer.pairs)
     }
 
     /// Hands the mask of every receiver to `visit(receiver, rows)`, once each, from many threads and in any order, and
@@ -273,6 +280,8 @@ impl CpuExecutor {
 pub(crate) struct Answer<'a, W> {
     pub(crate) receiver: usize,
     pub(crate) rows: &'a [W],
+    /// No bit is set.
+    pub(crate) lit: bool,
     pub(crate) pairs: u32,
 }
 
@@ -285,6 +294,8 @@ struct Numbers {
 
 impl<W: MaskWord> Answer<'_, W> {
     fn numbers(&self, columns: u32) -> Numbers {
-        Numbers { receiver: self.receiver, lit: reduce::lit_count(self.rows, columns), pairs: self.pairs }
+        let samples = self.rows.len() as u32 * columns;
+        let lit = if self.lit { samples } else { reduce::lit_count(self.rows, columns) };
+        Numbers { receiver: self.receiver, lit, pairs: self.pairs }
     }
 }

@@ -28,9 +28,13 @@ use crate::{ExecutorError, Isa, executor::Answer, scatter::Scatter, word::CpuWor
 /// How triangles and receivers are paired: the masks are the same bits, the time is not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Index {
-    /// A hierarchy over the triangles, walked by groups of receivers.
+    /// [`Index::Silhouette`] where the silhouette has few edges for its triangles, else [`Index::Hierarchy`].
     #[default]
+    Auto,
+    /// A hierarchy over the triangles, walked by groups of receivers.
     Hierarchy,
+    /// The same over the edges at which triangles end that face the light: for meshes, whose triangles share their edges.
+    Silhouette,
     /// The paper's frame buffer: the reference. Memory and time grow with what its cells hold.
     Grid(GridOptions),
 }
@@ -225,13 +229,13 @@ impl Cells {
         let rows = light.rows as usize;
         let full = vec![W::below(light.columns); rows];
         input.keys.par_iter().enumerate().filter(|(_, keys)| keys.is_none()).for_each(|(index, _)| {
-            visit(Answer { receiver: input.first + index, rows: &full, pairs: 0 });
+            visit(Answer { receiver: input.first + index, rows: &full, lit: false, pairs: 0 });
         });
         let all: Vec<u32> =
             if self.apart.is_empty() { Vec::new() } else { (0..input.triangles.len() as u32).collect() };
         let apart = self.resolve_lists::<W>(input, &[(&self.apart, &all)], &|index, group, lane| {
             let pairs = group.relevant[lane];
-            visit(Answer { receiver: input.first + index, rows: &group.masks[lane][..rows], pairs });
+            visit(Answer { receiver: input.first + index, rows: &group.masks[lane][..rows], lit: false, pairs });
         });
         let lists: Vec<(&[u32], &[u32])> = (0..self.receivers.starts.len().saturating_sub(1))
             .map(|cell| (self.receivers.list(cell), self.triangles_of(cell)))
@@ -240,7 +244,7 @@ impl Cells {
         let counts = match input.options.binning {
             Binning::OneCell => self.resolve_lists::<W>(input, &lists, &|index, group, lane| {
                 let pairs = group.relevant[lane];
-                visit(Answer { receiver: input.first + index, rows: &group.masks[lane][..rows], pairs });
+                visit(Answer { receiver: input.first + index, rows: &group.masks[lane][..rows], lit: false, pairs });
             }),
             Binning::AllCells => self.resolve_shared::<W>(input, &lists, visit),
         };
@@ -316,7 +320,7 @@ impl Cells {
             let SharedMasks { words, pairs, met } = found.into_inner().unwrap_or_else(PoisonError::into_inner);
             for k in (0..SHARED).filter(|k| met >> k & 1 == 1) {
                 let receiver = input.first + block * SHARED + k;
-                visit(Answer { receiver, rows: &words[k * rows..(k + 1) * rows], pairs: pairs[k] });
+                visit(Answer { receiver, rows: &words[k * rows..(k + 1) * rows], lit: false, pairs: pairs[k] });
             }
         });
         counts

@@ -8,6 +8,7 @@ mod order;
 mod run;
 mod scatter;
 mod scene;
+mod silhouette;
 mod simd;
 mod statistics;
 mod word;

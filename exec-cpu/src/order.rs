@@ -11,27 +11,52 @@ use umbra4_core::{
 const SAMPLES: usize = 1024;
 
 /// Codes and sorts entries; those without keys come last. The frame is fitted to the slopes that occur.
-pub(crate) fn ordered(frame: &LightFrame, keys: &[Option<Keys>]) -> Vec<Entry> {
-    let codes = fitted(frame, keys);
-    let mut order: Vec<Entry> = keys
+pub(crate) fn ordered<T: Sync>(frame: &LightFrame, things: &[T], keys: impl Fn(&T) -> Option<Keys> + Sync) -> Vec<Entry> {
+    let codes = fitted(frame, things, &keys);
+    let mut order: Vec<Entry> = things
         .par_iter()
         .enumerate()
-        .map(|(index, keys)| Entry {
-            code: keys.as_ref().map_or(Entry::ABSENT, |keys| code(&codes, keys)),
+        .map(|(index, thing)| Entry {
+            code: keys(thing).map_or(Entry::ABSENT, |keys| code(&codes, &keys)),
             index: index as u32,
         })
         .collect();
-    order.par_sort_unstable();
+    sort(&mut order);
     order
 }
 
-fn fitted(frame: &LightFrame, keys: &[Option<Keys>]) -> CodeFrame {
-    let step = (keys.len() / SAMPLES).max(1);
-    let seen: Vec<[f32; 2]> = keys
+/// Binary digits that a pass sorts by; codes have 30 (and [`Entry::ABSENT`] all ones).
+const DIGITS: u32 = 11;
+
+/// Sorts by code, entries of the same code staying in order: three passes over the entries, whatever their number.
+fn sort(entries: &mut Vec<Entry>) {
+    let mut other = vec![Entry::default(); entries.len()];
+    for pass in 0..3 {
+        let digit = |entry: &Entry| (entry.code >> (pass * DIGITS)) as usize & ((1 << DIGITS) - 1);
+        let mut places = vec![0_u32; 1 << DIGITS];
+        for entry in entries.iter() {
+            places[digit(entry)] += 1;
+        }
+        let mut sum = 0;
+        for place in &mut places {
+            sum += std::mem::replace(place, sum);
+        }
+        for entry in entries.iter() {
+            let place = &mut places[digit(entry)];
+            other[*place as usize] = *entry;
+            *place += 1;
+        }
+        std::mem::swap(entries, &mut other);
+    }
+}
+
+fn fitted<T>(frame: &LightFrame, things: &[T], keys: impl Fn(&T) -> Option<Keys>) -> CodeFrame {
+    let step = (things.len() / SAMPLES).max(1);
+    let seen: Vec<[f32; 2]> = things
         .iter()
         .step_by(step)
-        .flatten()
-        .map(|keys| tangents(keys, frame.scale))
+        .filter_map(keys)
+        .map(|keys| tangents(&keys, frame.scale))
         .filter(|t| t[0].abs().max(t[1].abs()) < 1.0e6)
         .collect();
     let median = |mut values: Vec<f32>| {

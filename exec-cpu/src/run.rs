@@ -4,17 +4,18 @@ use std::{marker::PhantomData, sync::Mutex, time::Instant};
 
 use rayon::prelude::*;
 use umbra4_core::{
-    Counts, Executor, LatticeLight, Pass, Plan, Precision,
+    Counts, Executor, IndexKind, LatticeLight, Pass, Plan, Precision,
     edge_plane::{LightGrid, Occluder},
     lanes::TILE,
     order::Entry,
-    proj4::{KeyTile, Keys, NODE},
+    proj4::{KeyTile, Keys, NODE, VertexKeys},
     stage::{
         Stage,
         build_level::build_level,
         key_receivers::key_receivers,
-        key_triangles::key_triangles,
+        key_triangles::key_between,
         resolve::{Group, Occlusion},
+        resolve_silhouette::SilhouetteRoom,
     },
 };
 
@@ -23,6 +24,7 @@ use crate::{
     executor::Answer,
     grid::{Cells, CellsInput},
     order::ordered,
+    silhouette::{Found, Silhouette},
     word::CpuWord,
 };
 
@@ -48,10 +50,13 @@ pub(crate) struct Run<'a, W, V> {
     grid: LightGrid,
     triangles: Vec<Option<(Keys, Occluder)>>,
     in_order: Vec<Occluder>,
+    order: Vec<u32>,
+    vertex_keys: Vec<VertexKeys>,
     nodes: Vec<KeyTile>,
     receiver_keys: Vec<Option<Keys>>,
     receiver_order: Vec<Entry>,
     cells: Cells,
+    silhouette: Option<Silhouette>,
     statistics: Statistics,
     kind: PhantomData<W>,
 }
@@ -72,10 +77,13 @@ impl<'a, W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, V> {
             grid: LightGrid::new(light),
             triangles: Vec::new(),
             in_order: Vec::new(),
+            order: Vec::new(),
+            vertex_keys: Vec::new(),
             nodes: Vec::new(),
             receiver_keys: Vec::new(),
             receiver_order: Vec::new(),
             cells: Cells::default(),
+            silhouette: None,
             statistics: Statistics::default(),
             kind: PhantomData,
         }
@@ -90,24 +98,42 @@ impl<'a, W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, V> {
 
     fn key_triangles(&mut self, count: usize) {
         let (vertices, triangles) = (self.occluders.vertices(), self.occluders.triangles());
+        let (grid, vertex_keys) = (&self.grid, &mut self.vertex_keys);
+        vertices.par_iter().map(|vertex| VertexKeys::new(&grid.frame, *vertex)).collect_into_vec(vertex_keys);
         (0..count)
             .into_par_iter()
-            .map(|id| key_triangles(id, &self.grid.frame, &self.grid.light, vertices, triangles))
+            .map(|id| key_between(id, &grid.frame, &grid.light, vertices, vertex_keys, triangles))
             .collect_into_vec(&mut self.triangles);
     }
 
     fn order_triangles(&mut self) {
-        let keys: Vec<Option<Keys>> = self.triangles.par_iter().map(|found| found.map(|(keys, _)| keys)).collect();
-        let order = ordered(&self.grid.frame, &keys);
-        let found: Vec<&(Keys, Occluder)> =
-            order.iter().map_while(|entry| self.triangles[entry.index as usize].as_ref()).collect();
-        self.in_order = found.iter().map(|(_, occluder)| *occluder).collect();
+        let order = ordered(&self.grid.frame, &self.triangles, |found| found.map(|(keys, _)| keys));
+        let entries = order.iter().map_while(|entry| self.triangles[entry.index as usize].as_ref().map(|f| (entry, f)));
+        self.in_order.clear();
+        self.order.clear();
         self.nodes = vec![KeyTile::NOTHING; self.how.plan.levels().tiles()];
-        for (tile, entries) in self.nodes.iter_mut().zip(found.chunks(NODE)) {
-            for (entry, (keys, _)) in entries.iter().enumerate() {
-                tile.set(entry, keys);
-            }
+        for (place, (entry, (keys, occluder))) in entries.enumerate() {
+            self.nodes[place / NODE].set(place % NODE, keys);
+            self.in_order.push(*occluder);
+            self.order.push(entry.index);
         }
+        if self.how.plan.facts().index == IndexKind::Hierarchy {
+            self.triangles = Vec::new();
+        }
+    }
+
+    fn find_silhouette(&mut self) {
+        self.silhouette = Silhouette::find(
+            &Found {
+                grid: &self.grid,
+                scene: self.occluders,
+                vertex_keys: &self.vertex_keys,
+                triangles: &self.triangles,
+                order: &self.order,
+                in_order: &self.in_order,
+            },
+            self.how.index == Index::Auto,
+        );
         self.triangles = Vec::new();
     }
 
@@ -135,17 +161,18 @@ impl<'a, W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, V> {
             nodes: &self.nodes,
             occluders: &self.in_order,
         };
+        let silhouette = self.silhouette.as_ref().map(|silhouette| silhouette.scene(scene));
         let light = &self.grid.light;
         let (How { isa, precision, .. }, visit) = (self.how, self.visit);
         let (points, keys) = (self.receivers.points(), &self.receiver_keys);
         let total = Mutex::new(Counts::default());
         let empty = Group::<W>::empty(light.rows);
         self.receiver_order.par_chunks(TILE * GROUPS_A_JOB).for_each_init(
-            || Box::new(empty.clone()),
-            |group, job| {
+            || (Box::new(empty.clone()), Box::<SilhouetteRoom<W>>::default()),
+            |(group, room), job| {
                 let mut counts = Counts::default();
                 for entries in job.chunks(TILE) {
-                    (**group).clone_from(&empty);
+                    group.clear(light.rows);
                     for (lane, entry) in entries.iter().enumerate() {
                         let index = entry.index as usize;
                         match &keys[index] {
@@ -153,12 +180,16 @@ impl<'a, W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, V> {
                             None => group.set_behind(lane, light),
                         }
                     }
-                    W::resolve(isa, precision, &scene, group);
+                    match &silhouette {
+                        Some(silhouette) => W::resolve_silhouette(isa, precision, silhouette, group, room),
+                        None => W::resolve(isa, precision, &scene, group),
+                    }
                     counts = counts.plus(group.counts);
                     for (lane, entry) in entries.iter().enumerate() {
                         visit(Answer {
                             receiver: first + entry.index as usize,
                             rows: &group.masks[lane][..light.rows as usize],
+                            lit: group.shadowed >> lane & 1 == 0,
                             pairs: group.relevant[lane],
                         });
                     }
@@ -211,8 +242,9 @@ impl<W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W, V> {
             Stage::KeyTriangles => self.key_triangles(count),
             Stage::OrderTriangles => self.order_triangles(),
             Stage::BuildLevel => self.build_level(first),
+            Stage::FindSilhouette => self.find_silhouette(),
             Stage::KeyReceivers => self.key_receivers(first, count),
-            Stage::OrderReceivers => self.receiver_order = ordered(&self.grid.frame, &self.receiver_keys),
+            Stage::OrderReceivers => self.receiver_order = ordered(&self.grid.frame, &self.receiver_keys, |keys| *keys),
             Stage::Resolve => self.resolve(first),
             Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells => {
                 self.run_cells(pass.stage, first)?;

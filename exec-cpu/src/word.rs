@@ -5,6 +5,7 @@ use umbra4_core::{
     stage::{
         resolve::{Group, Occlusion},
         resolve_cells::CellScene,
+        resolve_silhouette::{SilhouetteRoom, SilhouetteScene},
     },
 };
 
@@ -20,6 +21,15 @@ pub trait Kernels: Sized {
     /// Fills the masks of a group. `isa` comes from [`Isa::available`].
     #[doc(hidden)]
     fn resolve(isa: Isa, precision: Precision, scene: &Occlusion<'_>, group: &mut Group<Self>);
+    /// The same, by the silhouette.
+    #[doc(hidden)]
+    fn resolve_silhouette(
+        isa: Isa,
+        precision: Precision,
+        scene: &SilhouetteScene<'_>,
+        group: &mut Group<Self>,
+        room: &mut SilhouetteRoom<Self>,
+    );
     /// The same, with the triangles `list` of its cell.
     #[doc(hidden)]
     fn resolve_cell(isa: Isa, precision: Precision, scene: &CellScene<'_>, list: &[u32], group: &mut Group<Self>);
@@ -33,6 +43,19 @@ macro_rules! kernels {
                     match precision {
                         Precision::Exact => isa.resolve::<Self, Exact>(scene, group),
                         Precision::Fast => isa.resolve::<Self, Fast>(scene, group),
+                    }
+                }
+
+                fn resolve_silhouette(
+                    isa: Isa,
+                    precision: Precision,
+                    scene: &SilhouetteScene<'_>,
+                    group: &mut Group<Self>,
+                    room: &mut SilhouetteRoom<Self>,
+                ) {
+                    match precision {
+                        Precision::Exact => isa.resolve_silhouette::<Self, Exact>(scene, group, room),
+                        Precision::Fast => isa.resolve_silhouette::<Self, Fast>(scene, group, room),
                     }
                 }
 

@@ -250,6 +250,7 @@ fn sum(receivers: &[ReceiverCounts]) -> Counts {
             pairs_kept: u64::from(*kept),
             pairs_relevant: u64::from(*relevant),
             fallbacks: u64::from(*fallbacks),
+            ..Counts::default()
         });
     }
     counts

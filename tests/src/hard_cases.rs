@@ -58,6 +58,7 @@ pub const HARD_CASES: &[(&str, HardCase)] = &[
     ("triangle_through_light_plane", triangle_through_light_plane),
     ("triangle_through_receiver_plane", triangle_through_receiver_plane),
     ("triangle_behind_light", triangle_behind_light),
+    ("roof_over_the_light", roof_over_the_light),
     ("slivers_of_aspect_a_million", slivers_of_aspect_a_million),
     ("needles_with_a_flat_short_side", needles_with_a_flat_short_side),
     ("neighbour_at_the_light_plane", neighbour_at_the_light_plane),
@@ -339,6 +340,29 @@ fn triangle_behind_light(rows: u32, columns: u32) -> Vec<Case> {
         );
     }
     vec![case(lamp(rows, columns), &floor(16), mesh, Check::Lit)]
+}
+
+/// Roofs that start beside and below the lamp and lean over it: seen from the floor, the part behind the lamp lies before
+/// it, and its sides run across the samples. Nothing is blocked.
+fn roof_over_the_light(rows: u32, columns: u32) -> Vec<Case> {
+    let light = lamp(rows, columns);
+    let edge = (rows.max(columns) as i32 + 1) * STEP;
+    let receivers: Vec<_> = floor(64).into_iter().map(|p| IVec3::new(p.x.abs(), 0, p.z / 8)).collect();
+    let mut cases = Vec::new();
+    for width in [edge / 5, edge / 2, edge, 3 * edge] {
+        for top in [width, width / 2, 0] {
+            let corners = [(-3, -2, -width), (1, 2, -top), (1, 2, top), (-3, -2, width)];
+            let corners = corners.map(|(x, y, z)| IVec3::new(x * edge, HEIGHT + y * edge, z));
+            for along_columns in [true, false] {
+                let turn = |p: IVec3| if along_columns { p } else { IVec3::new(p.z, p.y, p.x) };
+                let mut mesh = Mesh::default();
+                mesh.add_quad(corners.map(turn));
+                let receivers: Vec<_> = receivers.iter().map(|p| turn(*p)).collect();
+                cases.push(case(light, &receivers, mesh, Check::Lit));
+            }
+        }
+    }
+    cases
 }
 
 fn slivers_of_aspect_a_million(rows: u32, columns: u32) -> Vec<Case> {

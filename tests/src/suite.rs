@@ -63,6 +63,20 @@ impl Cpu {
 }
 
 impl Cpu {
+    /// All triangles one by one.
+    #[must_use]
+    pub fn by_triangles(self) -> Self {
+        Self { executor: self.executor.with_index(Index::Hierarchy), name: format!("{}, by triangles", self.name) }
+    }
+
+    /// Edges of the silhouette, however many there are.
+    #[must_use]
+    pub fn by_silhouette(self) -> Self {
+        Self { executor: self.executor.with_index(Index::Silhouette), name: format!("{}, by silhouette", self.name) }
+    }
+}
+
+impl Cpu {
     /// The paper's grid with all its optimisations, on two threads.
     pub fn grid() -> Self {
         Self::nth_isa(2, 0).with_grid(GridOptions::default())

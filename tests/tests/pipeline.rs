@@ -13,7 +13,7 @@ use umbra4_core::{
     serial::{Buffers, Serial},
     stage::{key_receivers::key_receivers, key_triangles::key_triangles},
 };
-use umbra4_cpu::{CpuExecutor, Occluders, Precision, Receivers};
+use umbra4_cpu::{CpuExecutor, Index, Occluders, Precision, Receivers};
 use umbra4_tests::{
     compare::{Amount, compare_masks},
     ledger::say,
@@ -36,7 +36,7 @@ fn more_receivers_than_a_block() {
         .collect();
     assert!(scene.receivers.len() > 1 << 18);
     let inputs = scene.inputs();
-    let executor = CpuExecutor::new().with_threads(2).expect("threads can be started");
+    let executor = CpuExecutor::new().with_threads(2).expect("threads can be started").with_index(Index::Hierarchy);
     let (masks, statistics) =
         executor.masks::<u16>(&inputs.occluders, &inputs.light, &inputs.receivers).expect("the word fits");
     let compared =

@@ -144,6 +144,7 @@ pub fn dispatches<E>(
         // How vertices and receivers come is the executor's; the hierarchy is the index of those that run kernels.
         Stage::SnapVertices
         | Stage::SnapReceivers
+        | Stage::FindSilhouette
         | Stage::DefineFrame
         | Stage::BinReceivers
         | Stage::BinTriangles

@@ -10,6 +10,8 @@ pub mod reduce;
 pub mod resolve;
 #[cfg(not(target_arch = "spirv"))]
 pub mod resolve_cells;
+#[cfg(not(target_arch = "spirv"))]
+pub mod resolve_silhouette;
 pub mod snap_receivers;
 pub mod snap_vertices;
 
@@ -27,6 +29,9 @@ pub enum Stage {
     OrderTriangles,
     /// One level of the hierarchy from the one below.
     BuildLevel,
+    /// Edges at which the triangles end that face the light ([`crate::silhouette`]), and their hierarchy; that of the
+    /// triangles before the light's first sample.
+    FindSilhouette,
     /// Keys of every receiver; those behind the light are settled.
     KeyReceivers,
     /// Receivers along the curve of [`crate::order`], in groups of sixteen.
@@ -67,6 +72,8 @@ pub enum Binding {
     Occluders,
     /// [`crate::proj4::KeyTile`]s of all levels.
     Nodes,
+    /// What [`resolve_silhouette::SilhouetteScene`] holds.
+    Silhouette,
     /// Keys and code of every receiver.
     ReceiverKeys,
     /// Receivers in order.
@@ -107,7 +114,7 @@ pub struct StageInfo {
 use Binding as B;
 
 /// All stages, in the order in which data flows.
-pub const TABLE: [StageInfo; 13] = [
+pub const TABLE: [StageInfo; 14] = [
     StageInfo {
         stage: Stage::SnapVertices,
         name: "snap_vertices",
@@ -149,6 +156,14 @@ pub const TABLE: [StageInfo; 13] = [
         workgroup: 64,
     },
     StageInfo {
+        stage: Stage::FindSilhouette,
+        name: "find_silhouette",
+        id: "triangle",
+        reads: &[B::Vertices, B::Triangles, B::TriangleKeys, B::Occluders],
+        writes: &[B::Silhouette],
+        workgroup: 64,
+    },
+    StageInfo {
         stage: Stage::KeyReceivers,
         name: "key_receivers",
         id: "receiver",
@@ -168,7 +183,7 @@ pub const TABLE: [StageInfo; 13] = [
         stage: Stage::Resolve,
         name: "resolve",
         id: "group of sixteen receivers",
-        reads: &[B::Receivers, B::Groups, B::Occluders, B::Nodes],
+        reads: &[B::Receivers, B::Groups, B::Occluders, B::Nodes, B::Silhouette],
         writes: &[B::Masks],
         workgroup: 16,
     },

@@ -47,6 +47,8 @@ pub struct Group<W> {
     pub active: u32,
     /// Bit l: lane l's mask has changed since it was last compared with a full one.
     pub touched: u32,
+    /// Bit l: lane l's mask may have a bit set.
+    pub shadowed: u32,
     /// Their masks. Rows beyond the light's hold full words.
     pub masks: [MaskRows<W>; TILE],
     /// Triangles that block at least one sample of each; of a receiver that became full, those met until then.
@@ -69,6 +71,7 @@ impl<W: MaskWord> Group<W> {
             needs: NeedTile::NOTHING,
             active: 0,
             touched: 0,
+            shadowed: 0,
             masks: [mask; TILE],
             relevant: [0; TILE],
             counts: Counts::default(),
@@ -77,6 +80,26 @@ impl<W: MaskWord> Group<W> {
 }
 
 impl<W: MaskWord> Group<W> {
+    /// Takes all receivers out. Only masks that have a bit are written.
+    #[inline(always)]
+    pub fn clear(&mut self, rows: u32) {
+        let mut left = self.shadowed;
+        while left != 0 {
+            let mask = &mut self.masks[left.trailing_zeros() as usize % TILE];
+            left &= left - 1;
+            let mut row = 0;
+            while row < rows as usize && row < MASK_ROWS {
+                mask[row] = W::EMPTY;
+                row += 1;
+            }
+        }
+        self.receivers = ReceiverTile::EMPTY;
+        self.needs = NeedTile::NOTHING;
+        (self.active, self.touched, self.shadowed) = (0, 0, 0);
+        self.relevant = [0; TILE];
+        self.counts = Counts::default();
+    }
+
     /// Puts a receiver into a lane. `lane < TILE`.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, point: glam::IVec3, keys: &Keys) {
@@ -90,6 +113,7 @@ impl<W: MaskWord> Group<W> {
     #[inline(always)]
     pub fn set_behind(&mut self, lane: usize, light: &LatticeLight) {
         self.masks[lane % TILE] = [W::below(light.columns); MASK_ROWS];
+        self.shadowed |= 1 << (lane % TILE);
     }
 }
 
@@ -110,6 +134,7 @@ impl<W> Group<W> {
     fn tell(&mut self, lane: usize, relevant: bool) {
         self.relevant[lane % TILE] += relevant as u32;
         self.touched |= (relevant as u32) << lane;
+        self.shadowed |= (relevant as u32) << lane;
     }
 }
 
@@ -138,7 +163,7 @@ pub fn resolve_among<L: Lanes, W: MaskWord, P: PrecisionMode>(
 
 /// Walks the hierarchy until no node is left, or no receiver.
 #[inline(always)]
-fn descend<L: Lanes, W: MaskWord, P: PrecisionMode>(
+pub(crate) fn descend<L: Lanes, W: MaskWord, P: PrecisionMode>(
     grid: &LightGrid,
     levels: &Levels,
     root: Root,
@@ -181,7 +206,7 @@ fn descend<L: Lanes, W: MaskWord, P: PrecisionMode>(
 
 /// Receivers whose mask is full take no further part. Looked at once a tile of triangles: it costs as much as a pair.
 #[inline(always)]
-fn drop_full<W: MaskWord>(columns: u32, group: &mut Group<W>) {
+pub(crate) fn drop_full<W: MaskWord>(columns: u32, group: &mut Group<W>) {
     let mut touched = core::mem::take(&mut group.touched) & group.active;
     while touched != 0 {
         let lane = touched.trailing_zeros() as usize % TILE;
@@ -194,7 +219,7 @@ fn drop_full<W: MaskWord>(columns: u32, group: &mut Group<W>) {
 
 /// The least that any active receiver asks for.
 #[inline(always)]
-fn group_need(active: u32, needs: &NeedTile) -> Keys {
+pub(crate) fn group_need(active: u32, needs: &NeedTile) -> Keys {
     let mut need = [f32::MAX; crate::proj4::KEYS];
     let mut lane = 0;
     while lane < TILE {

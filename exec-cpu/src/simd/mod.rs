@@ -8,6 +8,7 @@ use umbra4_core::{
     stage::{
         resolve::{Group, Occlusion, resolve},
         resolve_cells::{CellScene, resolve_cell},
+        resolve_silhouette::{SilhouetteRoom, SilhouetteScene, resolve_silhouette},
     },
 };
 
@@ -78,6 +79,25 @@ impl Isa {
         }
     }
 
+    /// Fills the masks of a group by the silhouette. `self` comes from [`Isa::available`].
+    #[inline]
+    pub(crate) fn resolve_silhouette<W: MaskWord, P: PrecisionMode>(
+        self,
+        scene: &SilhouetteScene<'_>,
+        group: &mut Group<W>,
+        room: &mut SilhouetteRoom<W>,
+    ) {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: an executor only holds an instruction set that `available` has detected.
+            Self::Avx512 => unsafe { resolve_silhouette_avx512::<W, P>(scene, group, room) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            Self::Avx2 => unsafe { resolve_silhouette_avx2::<W, P>(scene, group, room) },
+            Self::Portable => resolve_silhouette::<Sixteen, W, P>(scene, group, room),
+        }
+    }
+
     /// Fills the masks of a group with the triangles `list` of its cell. `self` comes from [`Isa::available`].
     #[inline]
     pub(crate) fn resolve_cell<W: MaskWord, P: PrecisionMode>(
@@ -120,6 +140,26 @@ fn resolve_avx512<W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn resolve_avx2<W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
     resolve::<avx2::Avx2, W, P>(scene, group);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn resolve_silhouette_avx512<W: MaskWord, P: PrecisionMode>(
+    scene: &SilhouetteScene<'_>,
+    group: &mut Group<W>,
+    room: &mut SilhouetteRoom<W>,
+) {
+    resolve_silhouette::<avx512::Avx512, W, P>(scene, group, room);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn resolve_silhouette_avx2<W: MaskWord, P: PrecisionMode>(
+    scene: &SilhouetteScene<'_>,
+    group: &mut Group<W>,
+    room: &mut SilhouetteRoom<W>,
+) {
+    resolve_silhouette::<avx2::Avx2, W, P>(scene, group, room);
 }
 
 #[cfg(target_arch = "x86_64")]

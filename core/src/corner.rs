@@ -1,0 +1,96 @@
+//! How many facing triangles stand between receivers and one light sample, (0, 0): the depth from which those of the
+//! others follow (`silhouette`).
+//!
+//! One sample is a point light: its full-coverage test is that of a light with one row and one column, which keeps but the
+//! triangles whose box on the light's frame the receiver lies in. Planes pass through the sample, not the receiver, so
+//! that they serve all receivers of a group.
+//!
+//! Where the segment to the sample runs through an edge that two triangles share, one of them has to count. So the
+//! sample is thought of as moved by a little along the columns, and by much less along the rows.
+
+use glam::IVec3;
+
+use crate::{
+    edge_plane::{LightGrid, Occluder, ReceiverTile},
+    exact::{self, Wide, WideInt},
+    lanes::Lanes,
+    light::LatticeLight,
+    precision::PrecisionMode,
+    side::Planes,
+    statistics::Tally,
+    view::View,
+};
+
+/// The light of one sample.
+pub const fn corner_light(light: &LatticeLight) -> LatticeLight {
+    LatticeLight { rows: 1, columns: 1, ..*light }
+}
+
+/// Lanes of `kept` from which the triangle blocks the sample. It faces the light.
+#[inline(always)]
+pub(crate) fn blocked<L: Lanes, P: PrecisionMode>(
+    grid: &LightGrid,
+    view: &View<L::Long>,
+    receivers: &ReceiverTile,
+    occluder: &Occluder,
+    kept: u32,
+    fallbacks: &mut Tally,
+) -> u32 {
+    let origin = grid.light.origin;
+    let seen = occluder.from(origin);
+    let to_sample = (origin - view.base).to_array();
+    let (mut e, mut f, mut d) = ([[0; 4]; 3], [[0; 4]; 3], [[0; 4]; 3]);
+    let mut axis = 0;
+    while axis < 3 {
+        // Three planes through the sample and the edges, and the triangle's own.
+        let [a, b, c, _] = seen[axis];
+        e[axis] = [a, b, c, b - a];
+        f[axis] = [b, c, a, c - a];
+        let to = to_sample[axis];
+        d[axis] = [to, to, to, a + to];
+        axis += 1;
+    }
+    let planes = Planes::spanned::<L, P>(view, &e, &f, &d);
+    let (mut inside, mut unsure) = (kept, 0);
+    let mut k = 0;
+    while k < 4 {
+        let (positive, near) = planes.signs::<L, P>(view, k);
+        inside &= positive | near;
+        unsure |= near;
+        k += 1;
+    }
+    unsure &= inside;
+    if unsure == 0 { inside } else { settle(grid, receivers, occluder.corners(), inside, unsure, fallbacks) }
+}
+
+/// Decides the lanes in `unsure`, in integers. Out of line: few come here.
+#[inline(never)]
+fn settle(
+    grid: &LightGrid,
+    receivers: &ReceiverTile,
+    corners: [IVec3; 3],
+    mut inside: u32,
+    mut unsure: u32,
+    fallbacks: &mut Tally,
+) -> u32 {
+    while unsure != 0 {
+        let lane = unsure.trailing_zeros() as usize;
+        unsure &= unsure - 1;
+        *fallbacks += 1;
+        if !blocks_beside(&grid.light, receivers.point(lane), corners) {
+            inside &= !(1 << lane);
+        }
+    }
+    inside
+}
+
+/// Whether a facing triangle blocks sample (0, 0), moved by a little along the columns and by much less along the rows.
+pub fn blocks_beside(light: &LatticeLight, p: IVec3, [a, b, c]: [IVec3; 3]) -> bool {
+    let inside = |from: IVec3, to: IVec3| {
+        let form = exact::edge_form::<Wide>(*light, p, from, to);
+        let (at, along, across) = (form.at_origin.sign(), form.per_column.sign(), form.per_row.sign());
+        let first = if at == 0 { along } else { at };
+        (if first == 0 { across } else { first }) > 0
+    };
+    exact::far_side::<Wide>(p, [a, b, c]) > 0 && inside(a, b) && inside(b, c) && inside(c, a)
+}
