@@ -109,20 +109,20 @@ impl<W: MaskWord> Depths<W> {
         }
         // A sample has nothing before it where its digits are those of what would have to be added.
         let mut missing = first - origin as i32;
-        let mut wanted = [0_i32; MAX_SAMPLES as usize];
-        let mut row = 0;
-        while row < MAX_SAMPLES as usize {
-            missing -= self.steps[row] as i32;
-            wanted[row] = missing;
-            row += 1;
-        }
         let all = W::below(columns);
         let mut first = 0;
         while first < rows as usize && first < MAX_SAMPLES as usize {
+            let mut wanted = [0_i32; TILE];
+            let mut k = 0;
+            while k < TILE {
+                missing -= self.steps[first + k] as i32;
+                wanted[k] = missing;
+                k += 1;
+            }
             let mut found = [W::EMPTY; TILE];
             let mut k = 0;
             while k < TILE {
-                let never = used == FEW_DIGITS && wanted[first + k] as u32 >> FEW_DIGITS != 0;
+                let never = used == FEW_DIGITS && wanted[k] as u32 >> FEW_DIGITS != 0;
                 found[k] = if never { all } else { W::EMPTY };
                 k += 1;
             }
@@ -130,7 +130,7 @@ impl<W: MaskWord> Depths<W> {
             while digit < used {
                 let mut k = 0;
                 while k < TILE {
-                    let flip = if wanted[first + k] >> digit & 1 == 1 { W::ALL } else { W::EMPTY };
+                    let flip = if wanted[k] >> digit & 1 == 1 { W::ALL } else { W::EMPTY };
                     found[k] = found[k].or(self.digits[digit][first + k].xor(flip));
                     k += 1;
                 }
@@ -143,9 +143,21 @@ impl<W: MaskWord> Depths<W> {
             }
             first += TILE;
         }
+        self.clear(rows);
+    }
+
+    /// All depths are zero again, if only `rows` rows were counted in.
+    #[inline(always)]
+    pub(crate) fn clear(&mut self, rows: u32) {
+        let used = if self.used < DIGITS { FEW_DIGITS } else { DIGITS };
         let mut digit = 0;
         while digit < used {
-            self.digits[digit] = Self::FLAT.digits[digit];
+            let start = if digit == FEW_DIGITS - 1 { W::ALL } else { W::EMPTY };
+            let mut row = 0;
+            while row < rows as usize && row < MASK_ROWS {
+                self.digits[digit][row] = start;
+                row += 1;
+            }
             digit += 1;
         }
         self.steps = [0; MAX_SAMPLES as usize + 1];

@@ -401,10 +401,10 @@ impl Near<'_> {
 
 /// Clears what edges added to the lanes in `lost`.
 #[inline(always)]
-pub(crate) fn forget<W: MaskWord>(depths: &mut [Depths<W>; TILE], mut lost: u32) {
+pub(crate) fn forget<W: MaskWord>(depths: &mut [Depths<W>; TILE], mut lost: u32, rows: u32) {
     while lost != 0 {
         let lane = lost.trailing_zeros() as usize % TILE;
         lost &= lost - 1;
-        depths[lane] = Depths::FLAT;
+        depths[lane].clear(rows);
     }
 }

@@ -90,9 +90,16 @@ impl<const N: usize> Planes<N> {
             while k < N {
                 let (ex, ey, ez) = (magnitude(e[0][k]), magnitude(e[1][k]), magnitude(e[2][k]));
                 let (fx, fy, fz) = (magnitude(f[0][k]), magnitude(f[1][k]), magnitude(f[2][k]));
-                let lost = (ey * fz + ez * fy) * (magnitude(d[0][k]) + limit.x)
-                    + (ez * fx + ex * fz) * (magnitude(d[1][k]) + limit.y)
-                    + (ex * fy + ey * fx) * (magnitude(d[2][k]) + limit.z);
+                let (dx, dy, dz) = (magnitude(d[0][k]), magnitude(d[1][k]), magnitude(d[2][k]));
+                let lost = if L::Long::DOT_ERRORS > 0.0 {
+                    (ey * fz + ez * fy) * (dx + limit.x)
+                        + (ez * fx + ex * fz) * (dy + limit.y)
+                        + (ex * fy + ey * fx) * (dz + limit.z)
+                } else {
+                    // Six products of the largest: of little consequence in a long float.
+                    let (e, f) = (Lanes::max(ex, Lanes::max(ey, ez)), Lanes::max(fx, Lanes::max(fy, fz)));
+                    6.0 * e * f * (Lanes::max(dx, Lanes::max(dy, dz)) + limit.max_element())
+                };
                 let offset = Lanes::abs(normals[0][k]) * limit.x
                     + Lanes::abs(normals[1][k]) * limit.y
                     + Lanes::abs(normals[2][k]) * limit.z;

@@ -148,7 +148,7 @@ fn facing<L: Lanes, W: MaskWord, P: PrecisionMode>(
         }
         lane += 1;
     }
-    forget(&mut room.depths, lanes.lost & lanes.crossed);
+    forget(&mut room.depths, lanes.lost & lanes.crossed, grid.light.rows);
     lanes.lost
 }
 
