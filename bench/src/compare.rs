@@ -28,9 +28,19 @@ pub enum CompareError {
     /// A contender fails.
     #[error(transparent)]
     Contender(#[from] ContenderError),
-    /// The picture cannot be written.
+    /// A file cannot be written.
     #[error("{0}")]
     Io(#[from] std::io::Error),
+    /// A curve has no such point.
+    #[error("the curve over {curve} has no point {point}; it has {points}")]
+    NoPoint {
+        /// What is varied.
+        curve: &'static str,
+        /// The point asked for.
+        point: String,
+        /// Points that there are.
+        points: String,
+    },
 }
 
 /// What is compared.

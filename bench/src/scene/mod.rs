@@ -8,9 +8,20 @@
 //! |---|--:|---|--:|---|
 //! | dragons | 0.266 | the model's own box, whose floor goes on as a ground plane | 0.0097 | 0.147 (32/58 of the diagonal) |
 //! | sponza | 41.6 | the atrium's box | 1.52 | inside, 7.5 above the floor |
+//! | foliage, lattice, hairball | | the model's own box, as of the dragons | | 32/58 of the diagonal |
 //!
 //! The paper does not say how much ground its diagonal contains. The dragon's own box makes light and distance the
 //! smallest that can be meant; the light's size as seen from the dragon, 3/32 of a radian, is the same in any case.
+
+mod foliage;
+mod hairball;
+mod lattice;
+mod place;
+mod solids;
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod tiny;
 
 use std::path::Path;
 
@@ -22,6 +33,9 @@ use umbra4::{
 use umbra4_core::{AreaLight, Bounds, LightError, glam::DVec3};
 
 use crate::primary::Camera;
+use place::{DRAGON_VIEW, FOLIAGE_VIEW, HAIRBALL_VIEW, LATTICE_VIEW, View};
+#[cfg(test)]
+pub use tiny::tiny;
 
 /// The paper's dragon scene: its diagonal.
 const PAPER_DIAGONAL: f64 = 58.0;
@@ -32,20 +46,41 @@ const PAPER_DISTANCE: f64 = 32.0;
 /// The paper's diagonal of the light rectangle, where it does not vary it.
 pub const PAPER_LIGHT: f64 = 3.0;
 
-/// Name, file and number of triangles of every scene.
-const SCENES: [(&str, &str, usize); 5] = [
-    ("dragon11k", "dragon_vrip_res4.ply.gz", 11_102),
-    ("dragon48k", "dragon_vrip_res3.ply.gz", 47_794),
-    ("dragon203k", "dragon_vrip_res2.ply.gz", 202_520),
-    ("dragon871k", "dragon_vrip.ply.gz", 871_414),
-    ("sponza", "sponza.obj", 66_450),
+/// Where a model comes from.
+#[derive(Clone, Copy, Debug)]
+enum Source {
+    /// A file that is fetched, and its number of triangles.
+    File(&'static str, usize),
+    /// Code: the same triangles on every run.
+    Code(fn() -> Model),
+}
+
+/// How light and camera are placed.
+#[derive(Clone, Copy, Debug)]
+enum Placing {
+    /// On a ground plane, the light above and beside the model.
+    OnGround(View),
+    /// Inside the atrium.
+    InAtrium,
+}
+
+/// Name, model and placing of every scene.
+const SCENES: [(&str, Source, Placing); 8] = [
+    ("dragon11k", Source::File("dragon_vrip_res4.ply.gz", 11_102), Placing::OnGround(DRAGON_VIEW)),
+    ("dragon48k", Source::File("dragon_vrip_res3.ply.gz", 47_794), Placing::OnGround(DRAGON_VIEW)),
+    ("dragon203k", Source::File("dragon_vrip_res2.ply.gz", 202_520), Placing::OnGround(DRAGON_VIEW)),
+    ("dragon871k", Source::File("dragon_vrip.ply.gz", 871_414), Placing::OnGround(DRAGON_VIEW)),
+    ("sponza", Source::File("sponza.obj", 66_450), Placing::InAtrium),
+    ("foliage", Source::Code(foliage::model), Placing::OnGround(FOLIAGE_VIEW)),
+    ("lattice", Source::Code(lattice::model), Placing::OnGround(LATTICE_VIEW)),
+    ("hairball", Source::Code(hairball::model), Placing::OnGround(HAIRBALL_VIEW)),
 ];
 
 /// Why a scene cannot be set up.
 #[derive(Debug, Error)]
 pub enum SceneError {
     /// There is no such scene.
-    #[error("no scene is called {name}; there are dragon11k, dragon48k, dragon203k, dragon871k and sponza")]
+    #[error("no scene is called {name}; there are {}", names().collect::<Vec<_>>().join(", "))]
     Unknown {
         /// The name asked for.
         name: String,
@@ -88,12 +123,17 @@ impl Lamp {
         Self { corner: center - (edge_u + edge_v) * 0.5, edge_u, edge_v }
     }
 
-    /// With `samples` × `samples`.
+    /// With `rows` × `columns` samples.
     ///
     /// # Errors
     /// A number of samples that no light can have.
-    pub fn light(&self, samples: u32) -> Result<AreaLight, LightError> {
-        AreaLight::new(self.corner, self.edge_u, self.edge_v, samples, samples)
+    pub fn light(&self, rows: u32, columns: u32) -> Result<AreaLight, LightError> {
+        AreaLight::new(self.corner, self.edge_u, self.edge_v, rows, columns)
+    }
+
+    /// Its centre.
+    fn center(&self) -> DVec3 {
+        self.corner + (self.edge_u + self.edge_v) * 0.5
     }
 }
 
@@ -114,7 +154,7 @@ pub struct Scene {
 
 impl Scene {
     fn new(model: Model, extent: Bounds, lamp: Lamp, camera: Camera, samples: u32) -> Result<Self, SceneError> {
-        Ok(Self { model, extent, lamp, light: lamp.light(samples)?, camera })
+        Ok(Self { model, extent, lamp, light: lamp.light(samples, samples)?, camera })
     }
 
     /// Replaces the light by one with `samples` × `samples`.
@@ -122,7 +162,26 @@ impl Scene {
     /// # Errors
     /// A number of samples that no light can have.
     pub fn with_samples(self, samples: u32) -> Result<Self, SceneError> {
-        Ok(Self { light: self.lamp.light(samples)?, ..self })
+        self.with_grid(samples, samples)
+    }
+
+    /// Replaces the light by one with `rows` × `columns` samples.
+    ///
+    /// # Errors
+    /// A number of samples that no light can have.
+    pub fn with_grid(self, rows: u32, columns: u32) -> Result<Self, SceneError> {
+        Ok(Self { light: self.lamp.light(rows, columns)?, ..self })
+    }
+
+    /// Replaces the light by one of another size, around the same centre: `paper_light` is its diagonal in the paper's
+    /// units.
+    ///
+    /// # Errors
+    /// A size that no light can have.
+    pub fn with_light_scale(self, paper_light: f64) -> Result<Self, SceneError> {
+        let factor = edge(paper_light, self.extent) / self.lamp.edge_u.length();
+        let lamp = Lamp::around(self.lamp.center(), self.lamp.edge_u * factor, self.lamp.edge_v * factor);
+        Ok(Self { light: lamp.light(self.light.rows(), self.light.columns())?, lamp, ..self })
     }
 
     /// The light's setting, for the reader of a table.
@@ -137,93 +196,60 @@ fn diagonal(extent: Bounds) -> f64 {
     extent.min.distance(extent.max)
 }
 
+/// The edge of a square light whose diagonal is `paper_light` of the paper's units, where the model fills `extent`.
+fn edge(paper_light: f64, extent: Bounds) -> f64 {
+    paper_light / PAPER_DIAGONAL * diagonal(extent) * std::f64::consts::FRAC_1_SQRT_2
+}
+
 /// Names of all scenes.
 pub fn names() -> impl Iterator<Item = &'static str> {
     SCENES.into_iter().map(|(name, ..)| name)
 }
 
-fn known(name: &str) -> Result<(&'static str, usize), SceneError> {
-    let found = SCENES.into_iter().find(|(known, ..)| *known == name);
-    found.map(|(_, file, count)| (file, count)).ok_or_else(|| SceneError::Unknown { name: name.to_owned() })
+/// Names of the scenes that are made by code.
+#[cfg(test)]
+fn generated() -> impl Iterator<Item = &'static str> {
+    SCENES.into_iter().filter(|(_, source, _)| matches!(source, Source::Code(_))).map(|(name, ..)| name)
 }
 
-/// Whether the model's file is there.
+fn known(name: &str) -> Result<(Source, Placing), SceneError> {
+    let found = SCENES.into_iter().find(|(known, ..)| *known == name);
+    found.map(|(_, source, placing)| (source, placing)).ok_or_else(|| SceneError::Unknown { name: name.to_owned() })
+}
+
+/// Whether the scene can be had: one made by code always, others where the model's file is there.
 ///
 /// # Errors
 /// An unknown name.
 pub fn is_there(name: &str, directory: &Path) -> Result<bool, SceneError> {
-    Ok(directory.join(known(name)?.0).exists())
+    Ok(match known(name)?.0 {
+        Source::File(file, _) => directory.join(file).exists(),
+        Source::Code(_) => true,
+    })
 }
 
-/// Loads the scene called `name` from `directory`, with a light of `samples` × `samples` whose diagonal is
+/// Loads the scene called `name` from `directory`, or makes it, with a light of `samples` × `samples` whose diagonal is
 /// `paper_light` of the paper's units ([`PAPER_LIGHT`] unless it is varied).
 ///
 /// # Errors
 /// An unknown name; a model that cannot be read or is another one; a light that cannot be.
 pub fn scene(name: &str, directory: &Path, samples: u32, paper_light: f64) -> Result<Scene, SceneError> {
-    let (file, expected) = known(name)?;
+    let (source, placing) = known(name)?;
+    let model = match source {
+        Source::File(file, expected) => read(directory, file, expected)?,
+        Source::Code(model) => model(),
+    };
+    match placing {
+        Placing::OnGround(view) => place::on_ground(model, view, paper_light, samples),
+        Placing::InAtrium => place::in_atrium(model, paper_light, samples),
+    }
+}
+
+/// Reads the model in `file`.
+fn read(directory: &Path, file: &'static str, expected: usize) -> Result<Model, SceneError> {
     let model = load(&directory.join(file)).map_err(|source| SceneError::Load { source })?;
-    if model.triangles.len() != expected {
-        return Err(SceneError::Triangles { file, found: model.triangles.len(), expected });
+    match model.triangles.len() {
+        found if found == expected => Ok(model),
+        found => Err(SceneError::Triangles { file, found, expected }),
     }
-    let extent = model.bounds();
-    // The edge of a square from its diagonal.
-    let edge = paper_light / PAPER_DIAGONAL * diagonal(extent) * std::f64::consts::FRAC_1_SQRT_2;
-    if name == "sponza" { sponza(model, extent, edge, samples) } else { dragon(model, extent, edge, samples) }
-}
-
-/// The dragon on a ground plane; the light above and beside it, facing it.
-fn dragon(mut model: Model, extent: Bounds, edge: f64, samples: u32) -> Result<Scene, SceneError> {
-    let (center, diagonal) = (extent.center(), diagonal(extent));
-    add_ground(&mut model, center, extent.min.y, 2.5 * diagonal);
-
-    let away = DVec3::new(-0.45, 0.8, 0.4).normalize();
-    // edge_u × edge_v points back at the dragon.
-    let edge_v = DVec3::Y.cross(away).normalize() * edge;
-    let edge_u = edge_v.normalize().cross(-away) * edge;
-    let lamp = Lamp::around(center + away * (PAPER_DISTANCE / PAPER_DIAGONAL * diagonal), edge_u, edge_v);
-
-    let eye = center + DVec3::new(0.25, 0.55, 1.0).normalize() * 1.2 * diagonal;
-    let target = center + DVec3::new(0.04, -0.06, 0.0) * diagonal;
-    let camera = Camera { eye, target, vertical_degrees: 40.0 };
-    Scene::new(model, extent, lamp, camera, samples)
-}
-
-/// Two triangles under the model.
-fn add_ground(model: &mut Model, center: DVec3, height: f64, half: f64) {
-    let first = model.vertices.len() as u32;
-    for (x, z) in [(-half, -half), (-half, half), (half, half), (half, -half)] {
-        model.vertices.push(DVec3::new(center.x + x, height, center.z + z).as_vec3());
-    }
-    model.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
-}
-
-/// The atrium, with the light hanging in it at half its height, shining down; the camera looks along it.
-fn sponza(model: Model, extent: Bounds, edge: f64, samples: u32) -> Result<Scene, SceneError> {
-    let lamp = Lamp::around(DVec3::new(0.0, 7.5, 0.0), DVec3::X * edge, DVec3::Z * edge);
-    debug_assert!(lamp.edge_u.cross(lamp.edge_v).y < 0.0, "the light shines down");
-    let camera = Camera { eye: DVec3::new(-9.5, 5.0, 0.7), target: DVec3::new(2.0, 2.2, -0.3), vertical_degrees: 60.0 };
-    Scene::new(model, extent, lamp, camera, samples)
-}
-
-/// A small scene made by code, for tests: a leaning fan of triangles over a ground plane.
-#[cfg(test)]
-pub fn tiny(samples: u32) -> Scene {
-    use umbra4_core::glam::Vec3;
-
-    let mut model = Model::default();
-    for i in 0..12_u8 {
-        let a = f32::from(i) * 0.55;
-        let base = Vec3::new(a.cos(), 0.3 + 0.07 * f32::from(i), a.sin());
-        let first = model.vertices.len() as u32;
-        model.vertices.extend([base, base + Vec3::new(0.4, 0.3, -0.2), base + Vec3::new(-0.1, 0.5, 0.37)]);
-        model.triangles.push([first, first + 1, first + 2]);
-    }
-    add_ground(&mut model, DVec3::ZERO, 0.0, 4.0);
-    let extent = model.bounds();
-    let corner = DVec3::new(-0.6, 4.0, -0.4);
-    let lamp = Lamp { corner, edge_u: DVec3::X * 1.1, edge_v: DVec3::new(0.0, 0.1, 1.2) };
-    let camera = Camera { eye: DVec3::new(0.5, 3.0, 5.0), target: DVec3::Y * 0.4, vertical_degrees: 50.0 };
-    #[expect(clippy::unwrap_used, reason = "a light with an area")]
-    Scene::new(model, extent, lamp, camera, samples).unwrap()
 }
