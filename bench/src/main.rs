@@ -38,6 +38,7 @@ use gpu_args::GpuArgs;
 use memory::{ChildArgs, MemoryArgs};
 use scene::PAPER_LIGHT;
 use sweep::SweepArgs;
+use umbra::{CALLING_THREAD, bind_calling_thread};
 use umbra4_wgpu::Choice;
 use verify::{VerifyError, verify};
 
@@ -126,7 +127,7 @@ struct CompareArgs {
     /// Also write the first contender's visibility as a grey .pgm picture (of the last scene).
     #[arg(long)]
     picture: Option<PathBuf>,
-    /// Run the first contender alone and once, for instruction counts:
+    /// Run the first contender alone and once, on the calling thread, for instruction counts (bench/instructions.sh):
     /// `valgrind --tool=callgrind --toggle-collect='*measured_section*' umbra4-bench compare --single-run …`
     #[arg(long)]
     single_run: bool,
@@ -143,7 +144,7 @@ impl CompareArgs {
             contenders,
             samples: self.samples,
             size: self.size,
-            threads: self.threads.max(1),
+            threads: if self.single_run { CALLING_THREAD } else { self.threads.max(1) },
             repeat: if self.single_run { 1 } else { self.repeat },
             seconds: if self.single_run { 0.0 } else { self.seconds },
             light: self.light_scale,
@@ -286,6 +287,9 @@ fn run_optimisations(args: &OptimisationsArgs) -> Result<(), CompareError> {
 
 fn run_compare(args: &CompareArgs) -> Result<(), CompareError> {
     let options = args.options();
+    if args.single_run {
+        bind_calling_thread().map_err(std::io::Error::other)?;
+    }
     let mut lines = Vec::new();
     for scene in &args.scene {
         // The narrowest word that holds a row.

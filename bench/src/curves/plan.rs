@@ -29,6 +29,28 @@ impl Quantity {
         }
     }
 
+    /// What its plot is titled.
+    pub(super) fn title(self) -> &'static str {
+        match self {
+            Self::Triangles => "triangles",
+            Self::Receivers => "receivers",
+            Self::Light => "the light's size",
+            Self::Samples => "light samples",
+            Self::Rows => "rows of light samples, 32 columns",
+        }
+    }
+
+    /// A point's label, with the unit.
+    pub(super) fn spelled_out(self, label: &str) -> String {
+        match self {
+            Self::Triangles => label.to_owned(),
+            Self::Receivers => format!("{label}² pixels"),
+            Self::Light => format!("a light of {label}/58"),
+            Self::Samples => format!("{label}² samples"),
+            Self::Rows => format!("{label} rows"),
+        }
+    }
+
     /// Title of its axis, with the unit.
     pub(super) fn axis(self) -> &'static str {
         match self {

@@ -1,6 +1,6 @@
 //! A curve as a plot.
 
-use super::{plan::Quantity, table::Curve};
+use super::{measure::Point, plan::Quantity, table::Curve};
 use crate::svg::{Chart, Line, Tick};
 
 /// The plot.
@@ -11,7 +11,7 @@ pub(super) fn chart(curve: &Curve) -> Chart {
     if !rival.is_empty() {
         lines.push(Line { name: curve.rival_names(), points: rival });
     }
-    let tick = |point: &super::measure::Point| {
+    let tick = |point: &Point| {
         let setting = &point.setting;
         let text = match curve.quantity {
             Quantity::Samples => format!("{}²", setting.rows),
@@ -20,22 +20,12 @@ pub(super) fn chart(curve: &Curve) -> Chart {
         Tick { x: point.x, text }
     };
     Chart {
-        title: format!("Cost against {}", title(curve.quantity)),
+        title: format!("Cost against {}", curve.quantity.title()),
         setting: setting(curve),
         x: curve.quantity.axis().to_owned(),
-        y: format!("time ÷ umbra4's at {}", reference.setting.label),
+        y: format!("time ÷ umbra4's at {}", curve.quantity.spelled_out(&reference.setting.label)),
         ticks: curve.points.iter().map(tick).collect(),
         lines,
-    }
-}
-
-fn title(quantity: Quantity) -> &'static str {
-    match quantity {
-        Quantity::Triangles => "triangles",
-        Quantity::Receivers => "receivers",
-        Quantity::Light => "the light's size",
-        Quantity::Samples => "light samples",
-        Quantity::Rows => "rows of light samples, 32 columns",
     }
 }
 
@@ -63,7 +53,7 @@ mod tests {
     #[test]
     fn a_line_a_contender_and_a_tick_a_point() {
         let with = chart(&curve(true));
-        assert_eq!((with.lines.len(), with.ticks.len(), with.y.as_str()), (2, 3, "time ÷ umbra4's at p1"));
+        assert_eq!((with.lines.len(), with.ticks.len(), with.y.as_str()), (2, 3, "time ÷ umbra4's at p1² pixels"));
         assert_eq!(with.setting, "tiny, 32×32 samples, light 3/58, one thread, building included");
         assert_eq!(chart(&curve(false)).lines.len(), 1);
     }

@@ -48,11 +48,14 @@ pub struct MemoryArgs {
     threads: Vec<usize>,
 }
 
-/// What the child says, in bytes.
-struct Peaks {
-    scene: u64,
+/// What the child says, in bytes beyond the scene.
+struct Beyond {
+    /// At most, while the scene is snapped.
+    snapping: u64,
+    /// Held after that.
     snapped: u64,
-    all: u64,
+    /// At most, while visibility is computed; what is held included.
+    computing: u64,
 }
 
 impl MemoryArgs {
@@ -65,29 +68,32 @@ impl MemoryArgs {
             return Err(MemoryError::NotMeasurable);
         }
         println!(
-            "| scene | triangles | receivers | threads | scene given | beyond it | of that, snapped scene | of that, the rest \
-             | bytes a receiver beyond |\n|---|--:|--:|--:|--:|--:|--:|--:|--:|"
+            "| scene | triangles | receivers | threads | scene given | peak beyond it | … while snapping | held after that | \
+             … while computing | peak beyond, bytes a receiver |\n|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|"
         );
         for name in &self.scene {
             let handed = self.hand(name)?;
             for &threads in &self.threads {
-                let Peaks { scene, snapped, all } = measure(&handed, threads)?;
+                let Beyond { snapping, snapped, computing } = measure(&handed, threads)?;
+                let peak = snapping.max(computing);
                 let mebibytes = |bytes: u64| format!("{:.1} MiB", bytes as f64 / MEBIBYTE);
                 println!(
-                    "| {name} | {} | {} | {threads} | {} | {} | {} | {} | {:.1} |",
+                    "| {name} | {} | {} | {threads} | {} | {} | {} | {} | {} | {:.1} |",
                     handed.triangles.len(),
                     handed.positions.len(),
                     mebibytes(handed.bytes()),
-                    mebibytes(all - scene),
-                    mebibytes(snapped - scene),
-                    mebibytes(all - snapped),
-                    (all - scene) as f64 / handed.positions.len().max(1) as f64,
+                    mebibytes(peak),
+                    mebibytes(snapping),
+                    mebibytes(snapped),
+                    mebibytes(computing),
+                    peak as f64 / handed.positions.len().max(1) as f64,
                 );
             }
         }
         println!(
             "\nPeak resident memory at {}, {}×{} samples, visibility only. The scene given is triangles, positions and normals \
-             in f32; the rest is the index, masks in flight and the result.",
+             in f32. Held after snapping: both once more, in lattice coordinates. Computing adds the index, masks in flight and \
+             the result.",
             self.size, self.samples, self.samples
         );
         Ok(())
@@ -113,7 +119,7 @@ impl MemoryArgs {
 }
 
 /// Starts a process for one scene.
-fn measure(handed: &Handed, threads: usize) -> Result<Peaks, MemoryError> {
+fn measure(handed: &Handed, threads: usize) -> Result<Beyond, MemoryError> {
     let program = std::env::current_exe()?;
     let mut child = Command::new(program)
         .args([CHILD, "--threads", &threads.to_string()])
@@ -129,9 +135,8 @@ fn measure(handed: &Handed, threads: usize) -> Result<Peaks, MemoryError> {
         return Err(MemoryError::Child);
     }
     let text = String::from_utf8_lossy(&output.stdout);
-    let numbers: Vec<u64> = text.split_whitespace().take(3).filter_map(|number| number.parse().ok()).collect();
-    match numbers[..] {
-        [scene, snapped, all] => Ok(Peaks { scene, snapped, all }),
-        _ => Err(MemoryError::Child),
-    }
+    let numbers: Vec<u64> = text.split_whitespace().take(4).filter_map(|number| number.parse().ok()).collect();
+    let &[scene, snapping, snapped, computing] = &numbers[..] else { return Err(MemoryError::Child) };
+    let [snapping, snapped, computing] = [snapping, snapped, computing].map(|bytes| bytes.saturating_sub(scene));
+    Ok(Beyond { snapping, snapped, computing })
 }

@@ -7,7 +7,7 @@ use thiserror::Error;
 use umbra4_core::{Lattice, LatticeError, Lift, LightError};
 use umbra4_cpu::{CpuExecutor, ExecutorError, Occluders, Receivers, SceneError};
 
-use super::{exchange::Handed, resident::peak};
+use super::{exchange::Handed, resident};
 
 /// Why memory is not measured.
 #[derive(Debug, Error)]
@@ -47,26 +47,28 @@ pub struct ChildArgs {
 }
 
 impl ChildArgs {
-    /// Reads a scene from stdin, computes its visibility, and prints three peaks in bytes: with the scene, with the snapped
-    /// scene, and of everything.
+    /// Reads a scene from stdin, computes its visibility, and prints bytes: held with the scene, the peak of snapping it,
+    /// held after that, and the peak of computing.
     ///
     /// # Errors
     /// Whatever is refused; a system that does not tell its peak.
     pub fn run(&self) -> Result<(), MemoryError> {
         let handed = Handed::read(&mut stdin().lock())?;
-        let now = || peak().ok_or(MemoryError::NotMeasurable);
-        let scene = now()?;
+        let told = |bytes: Option<u64>| bytes.ok_or(MemoryError::NotMeasurable);
+        // Reading needed no more than what is held now.
+        let scene = told(resident::peak())?;
         let lattice = Lattice::covering(handed.bounds)?;
         let light = handed.light()?.snap(&lattice, Lift::NONE)?;
         let occluders = Occluders::new(&lattice, &handed.vertices, &handed.triangles)?;
         let receivers = Receivers::on_surfaces(&lattice, &handed.positions, &handed.normals, Lift::F32_POSITIONS)?;
-        let snapped = now()?;
+        let (snapping, snapped) = (told(resident::peak())?, told(resident::now())?);
+        resident::reset_peak();
         let executor = CpuExecutor::new().with_threads(self.threads)?;
         let (visibility, _) = executor.visibility(&occluders, &light, &receivers)?;
-        let all = now()?;
+        let computing = told(resident::peak())?;
         let mean = visibility.iter().map(|&lit| f64::from(lit)).sum::<f64>() / visibility.len().max(1) as f64;
         // The mean keeps the result in use until the peak is known.
-        println!("{scene} {snapped} {all} {mean}");
+        println!("{scene} {snapping} {snapped} {computing} {mean}");
         Ok(())
     }
 }

@@ -1,13 +1,28 @@
-//! The peak of a process' resident memory.
+//! What a process holds resident, and its peak.
 
 /// Bytes that this process held resident at most, so far; `None` where the system does not say.
 pub(super) fn peak() -> Option<u64> {
-    parse(&std::fs::read_to_string("/proc/self/status").ok()?)
+    field("VmHWM:")
 }
 
-/// `VmHWM` of a `/proc/…/status`, in bytes.
-fn parse(status: &str) -> Option<u64> {
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+/// Bytes that this process holds resident.
+pub(super) fn now() -> Option<u64> {
+    field("VmRSS:")
+}
+
+/// Lets the peak begin anew at what is held now. Where the system refuses, the peak stays as it is.
+pub(super) fn reset_peak() {
+    // 5: what the kernel's proc(5) gives for this.
+    let _ = std::fs::write("/proc/self/clear_refs", "5");
+}
+
+fn field(name: &str) -> Option<u64> {
+    parse(&std::fs::read_to_string("/proc/self/status").ok()?, name)
+}
+
+/// A field of a `/proc/…/status`, in bytes.
+fn parse(status: &str, name: &str) -> Option<u64> {
+    let line = status.lines().find_map(|line| line.strip_prefix(name))?;
     let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kibibytes * 1024)
 }
@@ -18,8 +33,9 @@ mod tests {
 
     #[test]
     fn the_peak_is_read() {
-        assert_eq!(parse("Name:\tx\nVmPeak:\t  9 kB\nVmHWM:\t   1234 kB\n"), Some(1234 * 1024));
-        assert_eq!(parse("Name:\tx\n"), None);
+        let status = "Name:\tx\nVmPeak:\t  9 kB\nVmHWM:\t   1234 kB\nVmRSS:\t 7 kB\n";
+        assert_eq!((parse(status, "VmHWM:"), parse(status, "VmRSS:")), (Some(1234 * 1024), Some(7 * 1024)));
+        assert_eq!(parse("Name:\tx\n", "VmHWM:"), None);
     }
 
     #[cfg(target_os = "linux")]
