@@ -77,7 +77,7 @@ mod tests {
         let subjects = [subject("a", [3.0, 1.0, 2.0]), subject("b", [1.0, 1.0, 1.0])];
         let results = least(&subjects, Budget { seconds: 3.5, repeat: 2 }, &Progress::hidden()).unwrap();
         assert_eq!(results, [Least { seconds: 1.0, runs: 2 }, Least { seconds: 1.0, runs: 4 }]);
-        assert_eq!(log.into_inner(), "abbbab");
+        assert_eq!(*log.borrow(), "abbbab");
     }
 
     #[test]
