@@ -254,6 +254,7 @@ mod tests {
             agrees::<u32>(32, name);
         }
         agrees::<u64>(37, "obvhs");
+        agrees::<u16>(13, "obvhs");
     }
 
     #[cfg(feature = "embree")]
@@ -264,6 +265,7 @@ mod tests {
             agrees::<u32>(32, name);
             agrees::<u64>(37, name);
             agrees::<u32>(5, name);
+            agrees::<u16>(16, name);
         }
     }
 

@@ -63,9 +63,9 @@ enum Command {
     /// Measures the peak of resident memory beyond the scene, and prints a Markdown table. Linux only.
     Memory(MemoryArgs),
     /// The process that `memory` measures.
-    #[command(hide = true)]
+    #[command(name = memory::CHILD, hide = true)]
     MemoryChild(ChildArgs),
-    /// Checks the bits of random receivers on the real scenes against the oracles, and those of a whole image against one
+    /// Checks the bits of random receivers on all scenes against the oracles, and those of a whole image against one
     /// sample at a time; prints Markdown tables. The exit code is 1 where a bit is wrong.
     Verify(VerifyArgs),
     /// Compares umbra4 on a GPU with a ray tracer on the same GPU, and prints Markdown tables. The exit code is 1 where too

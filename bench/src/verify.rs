@@ -1,4 +1,4 @@
-//! The bits on real scenes: random receivers, all triangles, against both oracles.
+//! The bits on whole scenes: random receivers, all triangles, against both oracles.
 //!
 //! Three kinds of receivers: surface points that the camera sees, lifted off their surface as a renderer asks for them;
 //! the same points raw, in the very planes of their triangles but for rounding; and points anywhere in the scene's box.

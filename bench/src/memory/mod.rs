@@ -8,5 +8,5 @@ mod child;
 mod exchange;
 mod resident;
 
-pub use args::MemoryArgs;
+pub use args::{CHILD, MemoryArgs};
 pub use child::ChildArgs;

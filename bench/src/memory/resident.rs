@@ -10,10 +10,12 @@ pub(super) fn now() -> Option<u64> {
     field("VmRSS:")
 }
 
-/// Lets the peak begin anew at what is held now. Where the system refuses, the peak stays as it is.
+/// Lets the peak begin anew at what is held now; where the system refuses that, the peak stays as it is, and it is said.
 pub(super) fn reset_peak() {
-    // 5: what the kernel's proc(5) gives for this.
-    let _ = std::fs::write("/proc/self/clear_refs", "5");
+    // 5 is what proc(5) gives for this.
+    if let Err(error) = std::fs::write("/proc/self/clear_refs", "5") {
+        eprintln!("the peak cannot be reset ({error}): that of computing includes that of snapping");
+    }
 }
 
 fn field(name: &str) -> Option<u64> {

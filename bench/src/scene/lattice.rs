@@ -16,6 +16,8 @@ const BAYS: u32 = 30;
 const LAYERS: u32 = 12;
 /// Widths of bars along x and z, of uprights and of braces.
 const WIDTHS: [f64; 4] = [0.045, 0.04, 0.052, 0.028];
+/// Share of its length that a bar ends before its node, at most: inside the other bars there.
+const MOST_SHORT: f64 = 0.01;
 
 /// The scaffold, without the ground.
 pub(super) fn model() -> Model {
@@ -24,7 +26,12 @@ pub(super) fn model() -> Model {
     for y in 0..LAYERS {
         for z in 0..=BAYS {
             for x in 0..=BAYS {
-                let mut bar = |from, to, width: f64| solids.bar(from, to, width * between(&mut rng, 0.9, 1.1));
+                let mut bar = |from: DVec3, to: DVec3, width: f64| {
+                    // Ends differ as well: those of bars in a line do not share a face.
+                    let mut end = |end: DVec3, other: DVec3| end + (other - end) * between(&mut rng, 0.0, MOST_SHORT);
+                    let (from, to) = (end(from, to), end(to, from));
+                    solids.bar(from, to, width * between(&mut rng, 0.9, 1.1));
+                };
                 bar(node(x, y, z), node(x, y + 1, z), WIDTHS[2]);
                 if x < BAYS {
                     bar(node(x, y + 1, z), node(x + 1, y + 1, z), WIDTHS[0]);

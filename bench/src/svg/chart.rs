@@ -93,7 +93,7 @@ impl Chart {
             picture.text([LEFT - 9.0, at + 4.5], Anchor::End, &label(value));
         }
         let mut free = f64::MIN;
-        for tick in &self.ticks {
+        for tick in self.ticks.iter().filter(|tick| tick.x > 0.0 && tick.x.is_finite()) {
             let at = x.place(tick.x);
             picture.line([at, TOP], [at, BOTTOM + 5.0], "#ccc");
             if at >= free {
