@@ -28,9 +28,19 @@ pub enum CompareError {
     /// A contender fails.
     #[error(transparent)]
     Contender(#[from] ContenderError),
-    /// The picture cannot be written.
+    /// A file cannot be written.
     #[error("{0}")]
     Io(#[from] std::io::Error),
+    /// A curve has no such point.
+    #[error("the curve over {curve} has no point {point}; it has {points}")]
+    NoPoint {
+        /// What is varied.
+        curve: &'static str,
+        /// The point asked for.
+        point: String,
+        /// Points that there are.
+        points: String,
+    },
 }
 
 /// What is compared.
@@ -244,6 +254,7 @@ mod tests {
             agrees::<u32>(32, name);
         }
         agrees::<u64>(37, "obvhs");
+        agrees::<u16>(13, "obvhs");
     }
 
     #[cfg(feature = "embree")]
@@ -254,6 +265,7 @@ mod tests {
             agrees::<u32>(32, name);
             agrees::<u64>(37, name);
             agrees::<u32>(5, name);
+            agrees::<u16>(16, name);
         }
     }
 

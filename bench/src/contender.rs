@@ -55,7 +55,8 @@ impl From<tinybvh_rs::Error> for ContenderError {
 
 /// Something that computes masks.
 pub trait Contender<W: RowWord> {
-    /// Computes the masks of all receivers into `out`, receiver-major, `problem.rows()` words each.
+    /// Computes the masks of all receivers into `out`, receiver-major, `problem.rows()` words each, on so many threads (or
+    /// [`CALLING_THREAD`](crate::umbra::CALLING_THREAD)).
     ///
     /// # Errors
     /// Whatever the contender refuses.

@@ -29,7 +29,7 @@ pub struct GpuArgs {
     /// Where bench/fetch-scenes.sh put the models.
     #[arg(long, default_value = "target/scenes")]
     scenes: PathBuf,
-    /// dragon11k, dragon48k, dragon203k, dragon871k, sponza.
+    /// dragon11k, dragon48k, dragon203k, dragon871k, sponza, foliage, lattice, hairball.
     #[arg(long, value_delimiter = ',', default_value = "dragon48k,dragon203k,dragon871k,sponza")]
     scene: Vec<String>,
     /// Sizes of the image, WIDTHxHEIGHT in pixels.

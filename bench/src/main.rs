@@ -3,6 +3,7 @@
 mod bvh_rival;
 mod compare;
 mod contender;
+mod curves;
 #[cfg(feature = "embree")]
 mod embree;
 mod gpu;
@@ -10,6 +11,7 @@ mod gpu_args;
 mod gpu_rival;
 mod gpu_table;
 mod image_size;
+mod memory;
 mod optimisations;
 mod picture;
 mod primary;
@@ -17,7 +19,10 @@ mod problem;
 mod row_word;
 mod scene;
 mod subset;
+mod svg;
+mod sweep;
 mod table;
+mod timing;
 #[cfg(all(feature = "tinybvh", target_feature = "avx2"))]
 mod tiny_rival;
 mod umbra;
@@ -28,8 +33,12 @@ use std::{path::PathBuf, process::ExitCode};
 
 use clap::{Args, Parser, Subcommand};
 use compare::{CompareError, Comparison, Options, compare};
+use curves::CurvesArgs;
 use gpu_args::GpuArgs;
+use memory::{ChildArgs, MemoryArgs};
 use scene::PAPER_LIGHT;
+use sweep::SweepArgs;
+use umbra::{CALLING_THREAD, bind_calling_thread};
 use umbra4_wgpu::Choice;
 use verify::{VerifyError, verify};
 
@@ -45,7 +54,18 @@ struct Cli {
 enum Command {
     /// Compares umbra4 with ray tracers, and prints a Markdown table.
     Compare(CompareArgs),
-    /// Checks the bits of random receivers on the real scenes against the oracles, and those of a whole image against one
+    /// Compares umbra4 with ray tracers on several numbers of samples in one run, and with itself on two threads; prints a
+    /// Markdown table.
+    Sweep(SweepArgs),
+    /// Measures how umbra4's cost grows with triangles, receivers, the light's size and its samples; writes a .csv and an
+    /// .svg a curve, and prints a Markdown table.
+    Curves(CurvesArgs),
+    /// Measures the peak of resident memory beyond the scene, and prints a Markdown table. Linux only.
+    Memory(MemoryArgs),
+    /// The process that `memory` measures.
+    #[command(name = memory::CHILD, hide = true)]
+    MemoryChild(ChildArgs),
+    /// Checks the bits of random receivers on all scenes against the oracles, and those of a whole image against one
     /// sample at a time; prints Markdown tables. The exit code is 1 where a bit is wrong.
     Verify(VerifyArgs),
     /// Compares umbra4 on a GPU with a ray tracer on the same GPU, and prints Markdown tables. The exit code is 1 where too
@@ -67,7 +87,7 @@ struct CompareArgs {
     /// Where bench/fetch-scenes.sh put the models.
     #[arg(long, default_value = "target/scenes")]
     scenes: PathBuf,
-    /// dragon11k, dragon48k, dragon203k, dragon871k, sponza.
+    /// dragon11k, dragon48k, dragon203k, dragon871k, sponza, foliage, lattice, hairball.
     #[arg(long, value_delimiter = ',', default_value = "dragon48k,dragon203k,sponza")]
     scene: Vec<String>,
     /// `umbra4`, `umbra4-fast`, `obvhs[-cwbvh][-fast|-medium]`, and with their features
@@ -107,7 +127,7 @@ struct CompareArgs {
     /// Also write the first contender's visibility as a grey .pgm picture (of the last scene).
     #[arg(long)]
     picture: Option<PathBuf>,
-    /// Run the first contender alone and once, for instruction counts:
+    /// Run the first contender alone and once, on the calling thread, for instruction counts (bench/instructions.sh):
     /// `valgrind --tool=callgrind --toggle-collect='*measured_section*' umbra4-bench compare --single-run …`
     #[arg(long)]
     single_run: bool,
@@ -124,7 +144,7 @@ impl CompareArgs {
             contenders,
             samples: self.samples,
             size: self.size,
-            threads: self.threads.max(1),
+            threads: if self.single_run { CALLING_THREAD } else { self.threads.max(1) },
             repeat: if self.single_run { 1 } else { self.repeat },
             seconds: if self.single_run { 0.0 } else { self.seconds },
             light: self.light_scale,
@@ -207,7 +227,7 @@ struct OptimisationsArgs {
     /// Where bench/fetch-scenes.sh put the models.
     #[arg(long, default_value = "target/scenes")]
     scenes: PathBuf,
-    /// dragon11k, dragon48k, dragon203k, dragon871k, sponza.
+    /// dragon11k, dragon48k, dragon203k, dragon871k, sponza, foliage, lattice, hairball.
     #[arg(long, value_delimiter = ',', default_value = "dragon48k,dragon203k,sponza")]
     scene: Vec<String>,
     /// Rows and columns of the light's samples.
@@ -267,10 +287,15 @@ fn run_optimisations(args: &OptimisationsArgs) -> Result<(), CompareError> {
 
 fn run_compare(args: &CompareArgs) -> Result<(), CompareError> {
     let options = args.options();
+    if args.single_run {
+        bind_calling_thread().map_err(std::io::Error::other)?;
+    }
     let mut lines = Vec::new();
     for scene in &args.scene {
+        // The narrowest word that holds a row.
         let Comparison { setting, lines: of_scene } = match options.samples {
-            ..=32 => compare::<u32>(scene, &options)?,
+            ..=16 => compare::<u16>(scene, &options)?,
+            17..=32 => compare::<u32>(scene, &options)?,
             _ => compare::<u64>(scene, &options)?,
         };
         println!("- {setting}");
@@ -300,6 +325,10 @@ fn main() -> ExitCode {
     };
     match Cli::parse().command {
         Command::Compare(args) => run_compare(&args).map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
+        Command::Sweep(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
+        Command::Curves(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
+        Command::Memory(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
+        Command::MemoryChild(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::Verify(args) => run_verify(&args).unwrap_or_else(|e| fail(&e)),
         Command::Gpu(args) => args.run().unwrap_or_else(|e| fail(&e)),
         Command::Optimisations(args) => run_optimisations(&args).map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),

@@ -8,6 +8,12 @@ pub trait RowWord: CpuWord {
     fn from_bits(bits: u64) -> Self;
 }
 
+impl RowWord for u16 {
+    fn from_bits(bits: u64) -> Self {
+        bits as Self
+    }
+}
+
 impl RowWord for u32 {
     fn from_bits(bits: u64) -> Self {
         bits as Self

@@ -10,6 +10,18 @@ use crate::{
     row_word::RowWord,
 };
 
+/// A number of threads that stands for the thread that calls, where [`bind_calling_thread`] made it rayon's only one.
+pub const CALLING_THREAD: usize = 0;
+
+/// Makes the calling thread rayon's only one: a profiler that counts one function and what it calls does not follow work
+/// to other threads.
+///
+/// # Errors
+/// Rayon has threads already.
+pub fn bind_calling_thread() -> Result<(), rayon::ThreadPoolBuildError> {
+    rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global()
+}
+
 /// umbra4 on the CPU. Its index is built with the masks, so `build` is the snap of the occluders alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Umbra {
@@ -19,7 +31,11 @@ pub struct Umbra {
 
 impl<W: RowWord> Contender<W> for Umbra {
     fn run(&self, problem: &Problem<'_>, threads: usize, out: &mut [W]) -> Result<Run, ContenderError> {
-        let executor = CpuExecutor::new().with_threads(threads)?.with_precision(self.precision);
+        let executor = CpuExecutor::new().with_precision(self.precision);
+        let executor = match threads {
+            CALLING_THREAD => executor,
+            threads => executor.with_threads(threads)?,
+        };
         let (run, words) = measured_section(&executor, problem)?;
         out.copy_from_slice(&words);
         Ok(run)

@@ -66,7 +66,7 @@ impl Embree {
 impl<W: RowWord> Contender<W> for Embree {
     fn run(&self, problem: &Problem<'_>, threads: usize, out: &mut [W]) -> Result<Run, ContenderError> {
         let start = Instant::now();
-        let scene = TriangleScene::new(problem.model, self.options, threads)?;
+        let scene = TriangleScene::new(problem.model, self.options, threads.max(1))?;
         let build = start.elapsed().as_secs_f64();
         let start = Instant::now();
         problem.for_blocks(threads, out, |origins, rows| self.masks(&scene, problem, origins, rows));
