@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 use umbra4_core::Counts;
-use umbra4_cpu::{ExecutorError, Precision, SceneError};
+use umbra4_cpu::{ExecutorError, Index, Precision, SceneError};
 
 use crate::{bvh_rival::BvhRival, problem::Problem, row_word::RowWord, umbra::Umbra};
 
@@ -22,7 +22,7 @@ pub struct Run {
 pub enum ContenderError {
     /// There is no such contender.
     #[error(
-        "no contender is called {name}; there are umbra4, umbra4-fast, obvhs[-cwbvh][-fast|-medium]; with the feature \
+        "no contender is called {name}; there are umbra4[-triangles|-silhouette], umbra4-fast, obvhs[-cwbvh][-fast|-medium]; with the feature \
          'embree' embree1, embree8 and embree16 with [-high][-robust][-square][-avx2]; with the feature 'tinybvh', on \
          a target with AVX2, tinybvh[-high]"
     )]
@@ -80,8 +80,10 @@ pub struct Entry<W> {
 pub fn by_name<W: RowWord>(name: &str) -> Result<Entry<W>, ContenderError> {
     let unknown = || ContenderError::Unknown { name: name.to_owned() };
     let contender: Box<dyn Contender<W>> = match name {
-        "umbra4" => Box::new(Umbra { precision: Precision::Exact }),
-        "umbra4-fast" => Box::new(Umbra { precision: Precision::Fast }),
+        "umbra4" => Box::new(Umbra { precision: Precision::Exact, index: Index::Auto }),
+        "umbra4-triangles" => Box::new(Umbra { precision: Precision::Exact, index: Index::Hierarchy }),
+        "umbra4-silhouette" => Box::new(Umbra { precision: Precision::Exact, index: Index::Silhouette }),
+        "umbra4-fast" => Box::new(Umbra { precision: Precision::Fast, index: Index::Auto }),
         _ if name.starts_with("obvhs") => Box::new(BvhRival::named(name).ok_or_else(unknown)?),
         #[cfg(feature = "embree")]
         _ if name.starts_with("embree") => Box::new(crate::embree::Embree::named(name).ok_or_else(unknown)?),

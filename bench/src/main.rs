@@ -90,7 +90,7 @@ struct CompareArgs {
     /// dragon11k, dragon48k, dragon203k, dragon871k, sponza, foliage, lattice, hairball.
     #[arg(long, value_delimiter = ',', default_value = "dragon48k,dragon203k,sponza")]
     scene: Vec<String>,
-    /// `umbra4`, `umbra4-fast`, `obvhs[-cwbvh][-fast|-medium]`, and with their features
+    /// `umbra4[-triangles|-silhouette]`, `umbra4-fast`, `obvhs[-cwbvh][-fast|-medium]`, and with their features
     /// `embree{1,8,16}[-high][-robust][-square][-avx2]` and `tinybvh[-high]`.
     #[arg(long, value_delimiter = ',', default_value = CONTENDERS)]
     contenders: Vec<String>,

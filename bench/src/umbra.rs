@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use umbra4_cpu::{CpuExecutor, Occluders, Precision};
+use umbra4_cpu::{CpuExecutor, Index, Occluders, Precision};
 
 use crate::{
     contender::{Contender, ContenderError, Run},
@@ -27,11 +27,13 @@ pub fn bind_calling_thread() -> Result<(), rayon::ThreadPoolBuildError> {
 pub struct Umbra {
     /// Exact or plain f32.
     pub precision: Precision,
+    /// How triangles and receivers are paired.
+    pub index: Index,
 }
 
 impl<W: RowWord> Contender<W> for Umbra {
     fn run(&self, problem: &Problem<'_>, threads: usize, out: &mut [W]) -> Result<Run, ContenderError> {
-        let executor = CpuExecutor::new().with_precision(self.precision);
+        let executor = CpuExecutor::new().with_precision(self.precision).with_index(self.index);
         let executor = match threads {
             CALLING_THREAD => executor,
             threads => executor.with_threads(threads)?,

@@ -67,13 +67,8 @@ pub(crate) struct Traced {
 
 impl EdgeTrace {
     /// No edge.
-    pub const NONE: Self = Self {
-        slope: [0.0; TILE],
-        start: [0.0; TILE],
-        doubt: [0.0; TILE],
-        rows: [[0; TILE]; 2],
-        left: [0; 2],
-    };
+    pub const NONE: Self =
+        Self { slope: [0.0; TILE], start: [0.0; TILE], doubt: [0.0; TILE], rows: [[0; TILE]; 2], left: [0; 2] };
 
     /// Traces an edge for the lanes in `wanted`.
     #[inline(always)]

@@ -145,8 +145,12 @@ impl Plan {
             }
             Stage::FindSilhouette if facts.index != IndexKind::Silhouette => (false, "triangles are taken one by one"),
             Stage::FindSilhouette if triangles => (true, "edges inside a surface change nothing"),
-            Stage::KeyTriangles | Stage::OrderTriangles | Stage::FindSilhouette | Stage::BinTriangles if !triangles => (false, "no triangles"),
-            Stage::KeyTriangles | Stage::OrderTriangles | Stage::FindSilhouette | Stage::BinTriangles => (true, "triangles to index"),
+            Stage::KeyTriangles | Stage::OrderTriangles | Stage::FindSilhouette | Stage::BinTriangles if !triangles => {
+                (false, "no triangles")
+            }
+            Stage::KeyTriangles | Stage::OrderTriangles | Stage::FindSilhouette | Stage::BinTriangles => {
+                (true, "triangles to index")
+            }
             Stage::BuildLevel if self.levels.count() < 2 => (false, "one node holds all triangles"),
             Stage::BuildLevel => (true, "more triangles than a node holds"),
             Stage::DefineFrame | Stage::BinReceivers => (true, "receivers to index"),

@@ -22,10 +22,12 @@
 use glam::IVec3;
 
 use crate::{
-    edge_plane::ReceiverTile,
     frame::{DOT_ERROR, FramePoint, LightFrame},
     lanes::{Lanes, TILE},
 };
+
+#[cfg(not(target_arch = "spirv"))]
+use crate::edge_plane::ReceiverTile;
 
 /// Number of comparisons that make the full-coverage test.
 pub const KEYS: usize = 5;
@@ -138,6 +140,7 @@ impl NeedTile {
     }
 
     /// What the receivers of a tile ask of the light that `frame` belongs to.
+    #[cfg(not(target_arch = "spirv"))]
     #[inline(always)]
     pub(crate) fn of<L: Lanes>(frame: &LightFrame, receivers: &ReceiverTile) -> Self {
         let mut needs = Self::NOTHING;
@@ -161,6 +164,24 @@ impl NeedTile {
         needs
     }
 
+    /// The least that any receiver in `active` asks for.
+    #[inline(always)]
+    pub(crate) fn least<L: Lanes>(&self, active: u32) -> Keys {
+        let mut need = [f32::MAX; KEYS];
+        let mut first = 0;
+        while first < TILE {
+            let there = L::mask(active >> first);
+            let mut k = 0;
+            while k < KEYS {
+                let negated = L::splat(0.0).sub(L::load(&self.0[k], first));
+                need[k] = Lanes::min(need[k], -L::select(there, negated, L::splat(f32::MIN)).largest());
+                k += 1;
+            }
+            first += L::WIDTH;
+        }
+        need
+    }
+
     /// Which of the receivers a triangle with the keys `reach` may block something from.
     #[inline(always)]
     pub fn dominated_by<L: Lanes>(&self, reach: &Keys) -> u32 {
@@ -178,18 +199,6 @@ impl NeedTile {
         }
         bits
     }
-}
-
-/// The greatest keys that are dominated by whatever dominates either: a group's keys from its receivers'.
-#[inline(always)]
-pub fn least(a: &Keys, b: &Keys) -> Keys {
-    let mut out = *a;
-    let mut k = 0;
-    while k < KEYS {
-        out[k] = Lanes::min(a[k], b[k]);
-        k += 1;
-    }
-    out
 }
 
 /// The full-coverage test of one pair: whether the triangle may block something from the receiver.

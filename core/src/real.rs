@@ -89,8 +89,7 @@ macro_rules! real {
                     let e = [e[0][k] as Self, e[1][k] as Self, e[2][k] as Self];
                     let f = [f[0][k] as Self, f[1][k] as Self, f[2][k] as Self];
                     let d = [d[0][k] as Self, d[1][k] as Self, d[2][k] as Self];
-                    let (x, y, z) =
-                        (e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]);
+                    let (x, y, z) = (e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]);
                     normals[0][k] = x as f32;
                     normals[1][k] = y as f32;
                     normals[2][k] = z as f32;

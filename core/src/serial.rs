@@ -246,7 +246,11 @@ impl<W: MaskWord, P: PrecisionMode> Executor for Serial<'_, W, P> {
                 (order.map(sort), "receiver_order")
             }
             Stage::Resolve => (self.resolve(pass), "masks or receiver_order"),
-            Stage::FindSilhouette | Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells => {
+            Stage::FindSilhouette
+            | Stage::DefineFrame
+            | Stage::BinReceivers
+            | Stage::BinTriangles
+            | Stage::ResolveCells => {
                 return Err(SerialError::OtherIndex { stage: pass.stage });
             }
             Stage::Reduce => (self.reduce(pass), "masks or visibility"),

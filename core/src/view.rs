@@ -140,10 +140,7 @@ impl<R: Real> View<R> {
     /// Corners along the axes, given by their differences from the base, and what is lost in the worst of the first three,
     /// beside and in height.
     #[inline(always)]
-    pub(crate) fn corners<L: Lanes<Long = R>, P: PrecisionMode>(
-        &self,
-        d: &[[i32; 4]; 3],
-    ) -> ([[f32; 4]; 3], f32, f32) {
+    pub(crate) fn corners<L: Lanes<Long = R>, P: PrecisionMode>(&self, d: &[[i32; 4]; 3]) -> ([[f32; 4]; 3], f32, f32) {
         let out = L::dots(&self.axes, d);
         let (mut lost, mut lost_height) = (self.bound.beside, self.bound.beside_height);
         if P::CERTIFIED && R::DOT_ERRORS > 0.0 {
@@ -197,6 +194,7 @@ impl<R: Real> View<R> {
     }
 
     /// Of one lane's receiver, how much lower than the base it lies.
+    #[cfg(not(target_arch = "spirv"))]
     #[inline(always)]
     pub(crate) fn beside_height(&self, lane: usize) -> f32 {
         self.beside[2][lane % TILE]

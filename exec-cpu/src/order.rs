@@ -11,7 +11,11 @@ use umbra4_core::{
 const SAMPLES: usize = 1024;
 
 /// Codes and sorts entries; those without keys come last. The frame is fitted to the slopes that occur.
-pub(crate) fn ordered<T: Sync>(frame: &LightFrame, things: &[T], keys: impl Fn(&T) -> Option<Keys> + Sync) -> Vec<Entry> {
+pub(crate) fn ordered<T: Sync>(
+    frame: &LightFrame,
+    things: &[T],
+    keys: impl Fn(&T) -> Option<Keys> + Sync,
+) -> Vec<Entry> {
     let codes = fitted(frame, things, &keys);
     let mut order: Vec<Entry> = things
         .par_iter()

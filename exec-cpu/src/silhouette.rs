@@ -19,9 +19,9 @@ use umbra4_core::{
 
 use crate::{Occluders, order::ordered};
 
-/// Facing triangles for an edge of the silhouette, from which on it is worth its while. (A triangle has three sides, and
-/// a depth is counted besides.)
-const WORTHWHILE: usize = 2;
+/// Triangles for an edge of the silhouette, from which on it is worth its while: depths are counted besides, and mixed
+/// triangles rasterised.
+const WORTHWHILE: usize = 4;
 
 /// Things under a hierarchy.
 struct Hierarchy<T> {
@@ -44,13 +44,8 @@ impl<T> Hierarchy<T> {
             things.push(thing);
         }
         let levels = Levels::of(things.len() as u32);
-        for level in 1..levels.count() {
-            let below = levels.range(level - 1);
-            for id in 0..levels.range(level).len() {
-                let tile = build_level(id, &nodes[below.clone()]);
-                nodes.push(tile);
-            }
-        }
+        nodes.resize(levels.tiles(), KeyTile::NOTHING);
+        build_levels(&levels, &mut nodes);
         Self { levels, nodes, things }
     }
 
@@ -59,11 +54,23 @@ impl<T> Hierarchy<T> {
     }
 }
 
+/// All levels above the lowest.
+fn build_levels(levels: &Levels, nodes: &mut [KeyTile]) {
+    for level in 1..levels.count() {
+        let (below, above) = nodes.split_at_mut(levels.range(level).start);
+        let below = &below[levels.range(level - 1)];
+        for (id, tile) in above.iter_mut().take(levels.range(level).len()).enumerate() {
+            *tile = build_level(id, below);
+        }
+    }
+}
+
 /// The triangles of a scene, sorted by what they are to one light, and the silhouette.
 pub(crate) struct Silhouette {
     corner: LightFrame,
     mixed: Hierarchy<Occluder>,
-    facing: Hierarchy<Occluder>,
+    /// As the hierarchy of all triangles; mixed ones stand for nothing.
+    facing: Vec<KeyTile>,
     edges: Hierarchy<SilhouetteEdge>,
 }
 
@@ -83,29 +90,24 @@ pub(crate) struct Found<'a> {
 impl Silhouette {
     /// The silhouette of a scene. With `worthwhile`, none where it has so many edges that triangles are done sooner.
     pub(crate) fn find(found: &Found<'_>, worthwhile: bool) -> Option<Self> {
-        let sides = open_sides(found);
-        let facing = found.in_order.iter().filter(|occluder| !occluder.is_mixed()).count();
-        if worthwhile && sides.len() * WORTHWHILE > facing {
+        let turned = found.turned();
+        if worthwhile && found.estimated_edges(&turned) * WORTHWHILE > found.in_order.len() {
             return None;
         }
         let corner = LightFrame::new(&corner_light(&found.grid.light));
-        Some(Self {
-            mixed: Hierarchy::new(found.in_turn(true).map(|(index, occluder)| {
-                (occluder, found.triangles[index].map_or(NOTHING, |(keys, _)| keys))
-            })),
-            facing: Hierarchy::new(found.in_turn(false).map(|(index, occluder)| {
-                (occluder, found.corner_keys(index, &corner, occluder))
-            })),
-            edges: found.edges(sides),
-            corner,
-        })
+        let mixed = found.order.iter().zip(found.in_order).filter(|(_, occluder)| occluder.is_mixed());
+        let keyed = mixed
+            .map(|(index, occluder)| (*occluder, found.triangles[*index as usize].map_or(NOTHING, |(keys, _)| keys)));
+        let mixed = Hierarchy::new(keyed);
+        let facing = found.corner_nodes(&corner);
+        Some(Self { corner, mixed, facing, edges: found.edges(&turned) })
     }
 
     pub(crate) fn scene<'a>(&'a self, all: Occlusion<'a>) -> SilhouetteScene<'a> {
         SilhouetteScene {
             all,
             mixed: self.mixed.indexed(),
-            facing: self.facing.indexed(),
+            facing: Indexed { levels: all.levels, nodes: &self.facing, things: all.occluders },
             corner: &self.corner,
             edges: self.edges.indexed(),
         }
@@ -113,16 +115,52 @@ impl Silhouette {
 }
 
 impl Found<'_> {
-    /// The triangles whose plane meets the light, or the others, along the curve.
-    fn in_turn(&self, mixed: bool) -> impl Iterator<Item = (usize, Occluder)> {
-        let all = self.order.iter().zip(self.in_order);
-        all.filter(move |(_, occluder)| occluder.is_mixed() == mixed).map(|(index, occluder)| (*index as usize, *occluder))
+    /// How the sides of every triangle count: see [`direction`]. 0 for those that block nothing.
+    fn turned(&self) -> Vec<i8> {
+        let (vertices, triangles) = (self.scene.vertices(), self.scene.triangles());
+        let turned = triangles.par_iter().zip(self.triangles).map(|(triangle, found)| {
+            found.as_ref().map_or(0, |(_, occluder)| direction(occluder, vertices[triangle[1] as usize]) as i8)
+        });
+        turned.collect()
+    }
+
+    /// About how many edges the silhouette has, before vertices are merged: counted for one vertex of sixteen.
+    fn estimated_edges(&self, turned: &[i8]) -> usize {
+        let mut sides = Vec::new();
+        for (&[a, b, c], &right) in self.scene.triangles().iter().zip(turned).filter(|(_, right)| **right != 0) {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                if from.min(to).wrapping_mul(0x9e37_79b9) >> 28 == 0 {
+                    sides.push((from.min(to), from.max(to), if from < to { right } else { -right }));
+                }
+            }
+        }
+        sides.sort_unstable();
+        let open = sides.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1));
+        16 * open.filter(|same| same.iter().map(|side| i32::from(side.2)).sum::<i32>() != 0).count()
+    }
+
+    /// The hierarchy for the light's first sample, over all triangles along the curve.
+    fn corner_nodes(&self, corner: &LightFrame) -> Vec<KeyTile> {
+        let levels = Levels::of(self.scene.triangles().len() as u32);
+        let mut nodes = vec![KeyTile::NOTHING; levels.tiles()];
+        let leaves = &mut nodes[levels.range(0)];
+        leaves.par_iter_mut().zip(self.order.par_chunks(NODE)).zip(self.in_order.par_chunks(NODE)).for_each(
+            |((tile, order), occluders)| {
+                for (entry, (index, occluder)) in order.iter().zip(occluders).enumerate() {
+                    if !occluder.is_mixed() {
+                        tile.set(entry, &self.corner_keys(*index as usize, corner, occluder));
+                    }
+                }
+            },
+        );
+        build_levels(&levels, &mut nodes);
+        nodes
     }
 
     /// Keys of a triangle for the light's first sample.
-    fn corner_keys(&self, index: usize, corner: &LightFrame, occluder: Occluder) -> Keys {
-        let [a, b, c] = self.scene.triangles()[index].map(|vertex| self.vertex_keys[vertex as usize]);
-        let between = a.and(&b).and(&c);
+    fn corner_keys(&self, index: usize, corner: &LightFrame, occluder: &Occluder) -> Keys {
+        let [a, b, c] = self.scene.triangles()[index].map(|vertex| &self.vertex_keys[vertex as usize]);
+        let between = a.and(b).and(c);
         if between.touches() {
             return triangle_keys(corner, &occluder.corners()).unwrap_or(NOTHING);
         }
@@ -130,9 +168,9 @@ impl Found<'_> {
     }
 
     /// The edges under a hierarchy.
-    fn edges(&self, sides: Vec<Side>) -> Hierarchy<SilhouetteEdge> {
+    fn edges(&self, turned: &[i8]) -> Hierarchy<SilhouetteEdge> {
         let (vertices, frame) = (self.scene.vertices(), &self.grid.frame);
-        let edges: Vec<(SilhouetteEdge, Keys)> = sides
+        let edges: Vec<(SilhouetteEdge, Keys)> = open_sides(self.scene, turned)
             .into_iter()
             .map(|(from, to, right)| {
                 let between = self.vertex_keys[from as usize].and(&self.vertex_keys[to as usize]);
@@ -152,14 +190,10 @@ impl Found<'_> {
 
 /// The edges at which the facing triangles end. Vertices are the same where they lie in the same place: meshes repeat them
 /// along seams of texture coordinates and normals.
-fn open_sides(found: &Found<'_>) -> Vec<Side> {
-    let (vertices, triangles) = (found.scene.vertices(), found.scene.triangles());
-    let turned = triangles.par_iter().zip(found.triangles).map(|(triangle, found)| {
-        found.as_ref().map_or(0, |(_, occluder)| direction(occluder, vertices[triangle[1] as usize]) as i8)
-    });
-    let turned: Vec<i8> = turned.collect();
+fn open_sides(scene: &Occluders, turned: &[i8]) -> Vec<Side> {
+    let (vertices, triangles) = (scene.vertices(), scene.triangles());
     // By index first, which leaves few to be looked up by place.
-    let open = summed(vertices.len(), triangles, &turned);
+    let open = summed(vertices.len(), triangles, turned);
     let mut first = HashMap::new();
     let mut merged = |vertex: u32| *first.entry(vertices[vertex as usize]).or_insert(vertex);
     let (edges, sums): (Vec<[u32; 2]>, Vec<i32>) =

@@ -15,7 +15,7 @@ use crate::{
     mask_word::MaskWord,
     outline::{Outlines, Seen},
     precision::PrecisionMode,
-    proj4::{KeyTile, Keys, NODE, NeedTile, least},
+    proj4::{KeyTile, Keys, NODE, NeedTile},
     real::Real,
     row_mask::{self, Ends, MASK_ROWS, MaskRows},
     side::Sides,
@@ -171,7 +171,7 @@ pub(crate) fn descend<L: Lanes, W: MaskWord, P: PrecisionMode>(
     occluders: &[Occluder],
     group: &mut Group<W>,
 ) {
-    let need = group_need(group.active, &group.needs);
+    let need = group.needs.least::<L>(group.active);
     let mut walk = Walk::new::<L>(levels, root, nodes, &need);
     if !walk.is_open() {
         return;
@@ -215,20 +215,6 @@ pub(crate) fn drop_full<W: MaskWord>(columns: u32, group: &mut Group<W>) {
             group.active &= !(1 << lane);
         }
     }
-}
-
-/// The least that any active receiver asks for.
-#[inline(always)]
-pub(crate) fn group_need(active: u32, needs: &NeedTile) -> Keys {
-    let mut need = [f32::MAX; crate::proj4::KEYS];
-    let mut lane = 0;
-    while lane < TILE {
-        if active >> lane & 1 == 1 {
-            need = least(&need, &needs.lane(lane));
-        }
-        lane += 1;
-    }
-    need
 }
 
 /// What one group needs to meet triangles: how its receivers see the light, and room for lines.

@@ -16,7 +16,7 @@ use crate::{
     precision::PrecisionMode,
     proj4::{KeyTile, Keys, NODE, NeedTile},
     silhouette::SilhouetteEdge,
-    stage::resolve::{Group, Occlusion, descend, group_need},
+    stage::resolve::{Group, Occlusion, descend},
     statistics::Tally,
     view::View,
 };
@@ -95,9 +95,9 @@ fn facing<L: Lanes, W: MaskWord, P: PrecisionMode>(
 ) -> u32 {
     let grid = scene.all.grid;
     let needs = NeedTile::of::<L>(scene.corner, &group.receivers);
-    let need = group_need(group.active, &needs);
+    let need = needs.least::<L>(group.active);
     let mut triangles = Walk::new::<L>(scene.facing.levels, Root::top(scene.facing.levels), scene.facing.nodes, &need);
-    let edge_need = group_need(group.active, &group.needs);
+    let edge_need = group.needs.least::<L>(group.active);
     let mut edges = Walk::new::<L>(scene.edges.levels, Root::top(scene.edges.levels), scene.edges.nodes, &edge_need);
     if !triangles.is_open() && !edges.is_open() {
         return 0;
