@@ -22,9 +22,9 @@ impl Knot {
 pub enum Reading {
     /// Between measured methods.
     Measured(f64),
-    /// Beyond them: the outermost piece of the curve goes on.
+    /// Beyond them: the curve goes on, as steep as it is from end to end.
     Beyond(f64),
-    /// The curve does not get there: the index alone takes longer, or its end does not fall.
+    /// The curve does not get there: the index alone takes longer, or it does not fall.
     Never,
 }
 
@@ -67,12 +67,12 @@ impl Curve {
         )
     }
 
-    /// What `value` says of the end of the curve that `before` asks for, and its neighbour.
+    /// What `value` says of the end of the curve that `before` asks for, and of the other end: pieces near an end are too
+    /// short to tell how steep it is.
     fn beyond(&self, before: impl Fn(&Knot) -> bool, value: impl Fn(&Knot, &Knot) -> Option<f64>) -> Reading {
-        let [first, second, ..] = &self.0[..] else { return Reading::Never };
-        let [.., next_to_last, last] = &self.0[..] else { return Reading::Never };
-        let (end, other) = if before(first) { (first, second) } else { (last, next_to_last) };
-        let falls = (end.work < other.work) == (end.error > other.error);
+        let [first, .., last] = &self.0[..] else { return Reading::Never };
+        let (end, other) = if before(first) { (first, last) } else { (last, first) };
+        let falls = first.work < last.work && first.error > last.error;
         match value(end, other) {
             Some(value) if falls && value.is_finite() => Reading::Beyond(value),
             _ => Reading::Never,

@@ -15,9 +15,6 @@ pub type Facts = Vec<(&'static str, String)>;
 
 /// All of them, for the head of the page.
 pub fn facts(args: &SceneArgs, problem: &Problem, device: &Device) -> Facts {
-    let scene = args.model.as_ref().map_or("built in".to_owned(), |path| {
-        path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
-    });
     let light = &problem.scene.light;
     let [corner, u, v] = [light.corner, light.edge_u, light.edge_v].map(DVec3::from_array);
     let center = corner + (u + v) * 0.5;
@@ -26,11 +23,8 @@ pub fn facts(args: &SceneArgs, problem: &Problem, device: &Device) -> Facts {
         Device::Missing(reason) => format!("not measured: {reason}"),
     };
     vec![
-        ("Scene", format!("{scene}, {} triangles", grouped(problem.scene.model.triangles.len()))),
-        (
-            "Receivers",
-            format!("{}, of {} × {} pixels", grouped(problem.receivers()), problem.seen.width, problem.seen.height),
-        ),
+        ("Scene", scene_and_triangles(args, problem)),
+        ("Receivers", receivers(problem)),
         (
             "Light",
             format!(
@@ -46,6 +40,22 @@ pub fn facts(args: &SceneArgs, problem: &Problem, device: &Device) -> Facts {
         ("GPU", gpu),
         ("Command", command()),
     ]
+}
+
+/// Scene and receivers, for the head of the plot.
+pub fn scene(args: &SceneArgs, problem: &Problem) -> String {
+    format!("{}, {} receivers", scene_and_triangles(args, problem), grouped(problem.receivers()))
+}
+
+fn scene_and_triangles(args: &SceneArgs, problem: &Problem) -> String {
+    let name = args.model.as_ref().map_or("the built-in scene".to_owned(), |path| {
+        path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+    });
+    format!("{name}, {} triangles", grouped(problem.scene.model.triangles.len()))
+}
+
+fn receivers(problem: &Problem) -> String {
+    format!("{}, of {} × {} pixels", grouped(problem.receivers()), problem.seen.width, problem.seen.height)
 }
 
 /// The command line, as a shell would take it.

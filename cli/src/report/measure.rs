@@ -1,5 +1,7 @@
 //! Runs every method, and compares what it gave with the reference.
 
+use std::time::Instant;
+
 use crate::{
     error::ProgramError,
     report::{
@@ -13,10 +15,10 @@ use crate::{
     stages::Stages,
 };
 
-/// Methods take turns in so many rounds.
-pub const ROUNDS: usize = 3;
-/// Methods that took more seconds than this run once.
-const REPEAT_BELOW: f64 = 3.0;
+/// Methods take turns in so many rounds; the slow ones rest in all but the first two.
+pub const ROUNDS: usize = 5;
+/// Seconds that a method may take to be in every round.
+pub const QUICK: f64 = 1.5;
 
 /// Stages that [`measure`] runs.
 pub fn stages(methods: usize) -> u64 {
@@ -48,13 +50,15 @@ pub fn measure(problem: &Problem, methods: &[Box<dyn Method>], stages: &mut Stag
 /// Of every method the run that took the least time. They take turns, so that a slow moment of the machine meets all.
 fn run_in_turns(problem: &Problem, methods: &[Box<dyn Method>], stages: &mut Stages) -> Result<Vec<Run>, ProgramError> {
     let mut best: Vec<Option<Run>> = vec![None; methods.len()];
-    for _ in 0..ROUNDS {
-        for (method, best) in methods.iter().zip(&mut best) {
-            let before = best.as_ref().map(Run::seconds);
-            let again = before.is_none_or(|seconds| seconds < REPEAT_BELOW);
-            let run = stages.run(&method.name(), || again.then(|| method.run(problem)).transpose())?;
+    let mut took = vec![0.0; methods.len()];
+    for round in 0..ROUNDS {
+        for ((method, best), took) in methods.iter().zip(&mut best).zip(&mut took) {
+            let rests = round > 1 && *took > QUICK;
+            let start = Instant::now();
+            let run = stages.run(&method.name(), || (!rests).then(|| method.run(problem)).transpose())?;
+            *took = start.elapsed().as_secs_f64().max(*took);
             if let Some(run) = run
-                && before.is_none_or(|seconds| run.seconds() < seconds)
+                && best.as_ref().is_none_or(|best| run.seconds() < best.seconds())
             {
                 *best = Some(run);
             }

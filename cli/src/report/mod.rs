@@ -49,7 +49,6 @@ const STAGES: u64 = 4;
 pub fn run(args: &ReportArgs) -> Result<String, ProgramError> {
     let folder = PreparedFolder::new(&args.output)?;
     executor::use_threads(&args.machine)?;
-    let device = methods::Device::open(&args.machine)?;
     let (width, height) = args.scene.pixels();
     check_pixels(width, height)?;
 
@@ -59,6 +58,9 @@ pub fn run(args: &ReportArgs) -> Result<String, ProgramError> {
     if problem.receivers() == 0 {
         return Err(CompareError::Empty.into());
     }
+    problem.check_light(methods::REFERENCE_SIDE / 2)?;
+    // Last of what can be refused: drivers may have something to say of their own.
+    let device = methods::Device::open(&args.machine)?;
     let methods = stages.run("indices of rays", || methods::all(&problem, &device))?;
     stages.expect(measure::stages(methods.len()));
     let results = measure::measure(&problem, &methods, &mut stages)?;
@@ -73,7 +75,8 @@ pub fn run(args: &ReportArgs) -> Result<String, ProgramError> {
         }
         folder.write("report.csv", csv::methods(&results))?;
         folder.write("equal.csv", csv::equal(&equal))?;
-        folder.write("plot.png", plot::png(&plot::svg(&results, Kind::Alone), PLOT_SCALE)?)?;
+        let scene = facts::scene(&args.scene, &problem);
+        folder.write("plot.png", plot::png(&plot::svg(&results, &scene, Kind::Alone), PLOT_SCALE)?)?;
         let facts = facts::facts(&args.scene, &problem, &device);
         let html = page::html(&results, &equal, &facts).map_err(InFile::at(&args.output.join("index.html")))?;
         folder.write("index.html", html)?;
@@ -81,7 +84,7 @@ pub fn run(args: &ReportArgs) -> Result<String, ProgramError> {
     })?;
     folder.publish()?;
     stages.clear();
-    Ok(page::text(&results))
+    Ok(page::text(&results, &equal))
 }
 
 fn png(image: &RgbImage) -> Result<Vec<u8>, OutputError> {

@@ -47,6 +47,16 @@ impl Problem {
         Ok(Self { scene, seen, lattice, positions, normals })
     }
 
+    /// Whether the finest light that will be asked for, a quarter with the most samples, can be snapped.
+    ///
+    /// # Errors
+    /// It is too fine for the lattice.
+    pub fn check_light(&self, samples: u32) -> Result<(), LightError> {
+        quarters(&self.scene.light)
+            .iter()
+            .try_for_each(|quarter| quarter.sampled(samples)?.snap(&self.lattice, Lift::F32_POSITIONS).map(|_| ()))
+    }
+
     /// Number of receivers.
     pub fn receivers(&self) -> usize {
         self.positions.len()

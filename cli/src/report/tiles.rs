@@ -5,6 +5,9 @@ use crate::{primary::GBuffer, report::flip};
 /// Pixels along each edge of a tile: neighbours stay together, and FLIP has pixels that see no border.
 const TILE: u32 = 32;
 
+/// So many tiles stand for the picture.
+const FEWEST: u32 = 24;
+
 /// Some or all of the receivers of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Choice {
@@ -27,6 +30,13 @@ impl Choice {
             }
         }
         Self { receivers: tiles.concat(), one_in }
+    }
+
+    /// The largest number of tiles of which one can be taken, so that enough are left to stand for the picture; a power of
+    /// two, at most 64.
+    pub fn sparsest(seen: &GBuffer) -> u32 {
+        let tiles = seen.width.div_ceil(TILE) * seen.height.div_ceil(TILE);
+        [64, 32, 16, 8, 4, 2].into_iter().find(|one_in| tiles / one_in >= FEWEST).unwrap_or(1)
     }
 
     /// All of `count` receivers, in their own order.
@@ -58,7 +68,13 @@ impl Choice {
 
 /// Whether the tile of pixel (`x`, `y`) is taken: those on a skewed lattice are.
 fn taken(x: u32, y: u32, one_in: u32) -> bool {
-    (x / TILE + 3 * (y / TILE)).is_multiple_of(one_in)
+    // Steps from row to row that leave no large gaps.
+    let skew = match one_in {
+        0..=16 => 3,
+        17..=32 => 7,
+        _ => 19,
+    };
+    (x / TILE + skew * (y / TILE)).is_multiple_of(one_in)
 }
 
 #[cfg(test)]
@@ -86,10 +102,15 @@ mod tests {
     fn one_tile_in_so_many_is_taken() {
         let seen = seen(512, 512);
         let all = seen.seen().count() as f64;
-        for one_in in [2, 4, 8, 16] {
+        for one_in in [2, 4, 8, 16, 32, 64] {
             let share = Choice::new(&seen, one_in).receivers.len() as f64 / all;
             assert!((share * f64::from(one_in) - 1.0).abs() < 0.05, "one in {one_in}: {share}");
         }
+    }
+
+    #[test]
+    fn small_pictures_are_not_thinned_out() {
+        assert_eq!([(48, 48), (512, 512), (2048, 2048)].map(|(w, h)| Choice::sparsest(&seen(w, h))), [1, 8, 64]);
     }
 
     #[test]

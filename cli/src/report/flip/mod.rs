@@ -147,6 +147,22 @@ mod tests {
         map.iter().sum::<f32>() / map.len() as f32
     }
 
+    /// Means of the authors' program (in C++, version 1.2), at as many pixels a degree, to within the rounding of f32.
+    #[test]
+    fn the_values_are_those_of_the_authors_program() {
+        let gray = (flat([100, 100, 100]), flat([110, 105, 100]));
+        let black_and_white = (flat([0, 0, 0]), flat([255, 255, 255]));
+        for ((a, b), expected) in [
+            ((pattern(40, 30, 1), pattern(40, 30, 60)), 0.654_852),
+            ((pattern(40, 30, 1), pattern(40, 30, 3)), 0.219_468),
+            ((pattern(64, 64, 0), pattern(64, 64, 200)), 0.606_854),
+            (gray, 0.150_981),
+            (black_and_white, 0.967_388),
+        ] {
+            assert!((mean(&a, &b) - expected).abs() < 2e-5, "{} instead of {expected}", mean(&a, &b));
+        }
+    }
+
     #[test]
     fn equal_pictures_do_not_differ() {
         assert_eq!(mean(&pattern(40, 30, 1), &pattern(40, 30, 1)), 0.0);

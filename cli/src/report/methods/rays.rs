@@ -40,9 +40,7 @@ pub struct Rays {
 }
 
 /// Seconds that a method may take before it runs on fewer receivers.
-const MOST_SECONDS: f64 = 4.0;
-/// At least one tile in so many is taken.
-const MOST_ONE_IN: u32 = 64;
+const MOST_SECONDS: f64 = 6.0;
 /// Receivers, and rays each, by which the speed of a hierarchy is told.
 const PROBED: usize = 2048;
 const PROBE_SIDE: u32 = 6;
@@ -73,8 +71,8 @@ impl Rays {
                 (rays.build, trace) = (build.clone(), seconds);
             }
         }
-        let mut one_in = 1;
-        while trace / f64::from(one_in) > MOST_SECONDS && one_in < MOST_ONE_IN {
+        let (mut one_in, most) = (1, Choice::sparsest(&problem.seen));
+        while trace / f64::from(one_in) > MOST_SECONDS && one_in < most {
             one_in *= 2;
         }
         let choice = Choice::new(&problem.seen, one_in);

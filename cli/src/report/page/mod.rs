@@ -3,18 +3,20 @@
 mod format;
 mod pictures;
 mod tables;
+mod text;
 
 use crate::{
     output::OutputError,
     report::{
         equal::Equal,
         facts::{Facts, grouped},
-        measure::ROUNDS,
+        measure::{QUICK, ROUNDS},
         plot::{self, Kind},
         results::Results,
     },
 };
 use format::{escaped, three_digits};
+pub use text::text;
 
 const STYLE: &str = include_str!("style.css");
 
@@ -37,7 +39,7 @@ pub fn html(results: &Results, equal: &[Equal<'_>], facts: &Facts) -> Result<Str
          <h2>Where the time goes</h2>\n{}\
          <h2>Pictures</h2>\n{}{}</main>\n</body>\n</html>\n",
         head(facts),
-        plot::svg(results, Kind::OnPage),
+        plot::svg(results, "", Kind::OnPage),
         plot_note(results),
         tables::methods(results),
         methods_note(results),
@@ -87,17 +89,17 @@ fn methods_note(results: &Results) -> String {
     format!(
         "<p class=\"note\">Time is all there is between the world’s coordinates and the visibility of the receivers: for \
          umbra4 the snap, the index and the masks; for rays the BVH (obvhs; of a fast and a slow build, the one with the \
-         smaller sum, built on one thread) and the rays, on all threads. Methods took turns {ROUNDS} times and the least time \
-         counts; those of more than 3 s ran once. Camera rays and shading are not in it. Errors are absolute differences of \
+         smaller sum, built on one thread) and the rays, on all threads. Methods took turns {ROUNDS} times, those of more than \
+         {QUICK} s twice, and the least time counts. Camera rays and shading are not in it. Errors are absolute differences of \
          visibility, which is a share of the light in 0..1, from the reference’s. FLIP is the mean LDR-FLIP of the picture, as \
          8-bit sRGB, at 67 pixels a degree: 0 for equal pictures, 1 for the most different ones.{some}</p>\n"
     )
 }
 
 const EQUAL_NOTE: &str = "<p class=\"note\">Read from the measured curves of the rays, between points straight on logarithmic \
-    axes. Values in italics with an asterisk are extrapolated: beyond the measured points the outermost piece of the curve goes \
-    on, in the time of tracing alone, and the BVH’s time is added. A dash: the curve does not get there, because building \
-    the BVH alone takes longer or because its end does not fall. Regular samples are umbra4’s own: with as many of them, rays \
+    axes. Values in italics with an asterisk are extrapolated: beyond the measured points the curve goes on, as steep as it is \
+    from its first to its last point, in the time of tracing alone, and the BVH’s time is added. A dash: the curve does not \
+    get there, because building the BVH alone takes longer or because it does not fall. Regular samples are umbra4’s own: with as many of them, rays \
     have its error, but for bits that f32 rays get wrong.</p>\n";
 
 fn pictures_note(results: &Results) -> String {
@@ -107,25 +109,4 @@ fn pictures_note(results: &Results) -> String {
          All files are in the folder <code>pictures</code> at full size.</p>\n",
         results.gain
     )
-}
-
-/// The same for a terminal, without seconds by stage.
-pub fn text(results: &Results) -> String {
-    let mut out = format!(
-        "{:<34} {:>9} {:>9} {:>10} {:>10} {:>8}\n",
-        "method", "seconds", "relative", "mean error", "largest", "FLIP"
-    );
-    for entry in results.all() {
-        let seconds = entry.run.seconds();
-        let flip = entry.flip.map_or("-".to_owned(), three_digits);
-        out += &format!(
-            "{:<34} {seconds:>9.3} {:>9.2} {:>10} {:>10} {flip:>8}{}\n",
-            entry.name,
-            seconds / results.unit(),
-            three_digits(entry.difference.mean),
-            three_digits(entry.difference.largest),
-            if entry.on_front { " *" } else { "" },
-        );
-    }
-    out + "* on the Pareto front\n"
 }

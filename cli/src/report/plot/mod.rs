@@ -37,13 +37,11 @@ const FLOOR: f64 = BOTTOM - 22.0;
 const INK: &str = "#222";
 const GRAY: &str = "#666";
 const FRONT: &str = "#e3c15a";
-/// Width of a letter of size 1.
-const LETTER: f64 = 0.58;
 const SMALL: f64 = 12.5;
 
-/// The plot as SVG.
-pub fn svg(results: &Results, kind: Kind) -> String {
-    Plot::new(results, kind).svg()
+/// The plot as SVG; `scene` says of what, where the plot is alone.
+pub fn svg(results: &Results, scene: &str, kind: Kind) -> String {
+    Plot::new(results, kind).svg(scene)
 }
 
 struct Plot<'a> {
@@ -52,6 +50,8 @@ struct Plot<'a> {
     time: Axis,
     error: Axis,
     top: f64,
+    /// Where there is room for texts.
+    room: Room,
     out: String,
 }
 
@@ -61,15 +61,16 @@ impl<'a> Plot<'a> {
         let unit = results.unit();
         let time = Axis::around(results.all().map(|m| m.run.seconds() / unit), (LEFT, RIGHT));
         let error = Axis::around(results.methods.iter().map(|m| m.difference.mean), (FLOOR, top));
-        Self { results, kind, time, error, top, out: String::new() }
+        let inside = Area { x: LEFT + 2.0, y: top + 2.0, width: RIGHT - LEFT - 4.0, height: BOTTOM - top };
+        Self { results, kind, time, error, top, room: Room::new(inside), out: String::new() }
     }
 
-    fn svg(mut self) -> String {
+    fn svg(mut self, scene: &str) -> String {
         // Inside of HTML the namespace is known.
         let space = if self.kind == Kind::Alone { r#"xmlns="http://www.w3.org/2000/svg" "# } else { "" };
         self.put(format!(r##"<svg {space}viewBox="0 0 {WIDTH} {HEIGHT}" font-family="{FONT}" fill="{INK}">"##));
         self.put(format!(r##"<rect width="{WIDTH}" height="{HEIGHT}" fill="#fff"/>"##));
-        self.legend();
+        self.legend(scene);
         self.grid();
         self.front();
         self.curves();
@@ -89,10 +90,11 @@ impl<'a> Plot<'a> {
     }
 
     /// Above the plot, where no point can be.
-    fn legend(&mut self) {
+    fn legend(&mut self, scene: &str) {
         let mut y = 30.0;
         if self.kind == Kind::Alone {
             self.text((LEFT, y), "start", 17.0, INK, "The price of accuracy");
+            self.text((RIGHT, y), "end", 13.0, GRAY, scene);
             y += 28.0;
         }
         let mut items: Vec<(Option<Family>, String)> =
@@ -100,7 +102,7 @@ impl<'a> Plot<'a> {
         items.push((None, "Pareto front: nothing is both faster and better".to_owned()));
         let mut x = LEFT;
         for (family, name) in items {
-            let width = 22.0 + name.chars().count() as f64 * 13.0 * 0.53 + 20.0;
+            let width = 22.0 + 13.0 * length(&name) + 26.0;
             if x + width > RIGHT + 12.0 {
                 (x, y) = (LEFT, y + 22.0);
             }
@@ -179,6 +181,11 @@ impl<'a> Plot<'a> {
             let _ = write!(path, "H{x:.1}V{y:.1}");
         }
         path += &format!("H{RIGHT}");
+        let steps = on_front.windows(2).map(|pair| (pair[0], pair[1]));
+        for ((x0, y0), (x1, y1)) in steps {
+            self.room.take_line((x0, y0), (x1, y0));
+            self.room.take_line((x1, y0), (x1, y1));
+        }
         self.put(format!(
             r##"<path d="{path}" fill="none" stroke="{FRONT}" stroke-width="7" stroke-opacity="0.55" stroke-linejoin="round"/>"##
         ));
@@ -186,12 +193,10 @@ impl<'a> Plot<'a> {
 
     fn curves(&mut self) {
         let results = self.results;
-        let mut room =
-            Room::new(Area { x: LEFT + 2.0, y: self.top + 2.0, width: RIGHT - LEFT - 4.0, height: BOTTOM - self.top });
         for family in results.families() {
             let places: Vec<(f64, f64)> = results.of(family).map(|m| self.place(m)).collect();
-            places.iter().for_each(|&(x, y)| room.take(Area::around(x, y, marker::HALF + 1.0)));
-            places.windows(2).for_each(|pair| room.take_line(pair[0], pair[1]));
+            places.iter().for_each(|&(x, y)| self.room.take(Area::around(x, y, marker::HALF + 1.0)));
+            places.windows(2).for_each(|pair| self.room.take_line(pair[0], pair[1]));
             let points: Vec<String> = places.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
             self.put(format!(
                 r#"<polyline points="{}" fill="none" stroke="{}" stroke-width="1.6" stroke-opacity="0.75"/>"#,
@@ -206,30 +211,42 @@ impl<'a> Plot<'a> {
                 self.put(if exact { marker::family(family, x, y) } else { marker::no_error(family.color(), x, y) });
             }
         }
-        self.reference(&mut room);
+        self.reference();
         for family in results.families() {
             for entry in results.of(family) {
                 let text = samples(family, entry.side);
-                self.label(&mut room, entry, &text, family.color());
+                self.label(entry, &text, family.color());
             }
         }
     }
 
     /// Its error is none by definition: it is on the lower edge.
-    fn reference(&mut self, room: &mut Room) {
+    fn reference(&mut self) {
         let (x, _) = self.place(&self.results.reference);
         self.put(marker::no_error(GRAY, x, BOTTOM));
-        room.take(Area::around(x, BOTTOM, 7.0));
+        self.room.take(Area::around(x, BOTTOM, 7.0));
         let text = format!("reference, {0}×{0}: error 0", self.results.reference.side);
-        self.label(room, &self.results.reference, &text, GRAY);
+        self.label(&self.results.reference, &text, GRAY);
     }
 
-    fn label(&mut self, room: &mut Room, entry: &Entry, text: &str, color: &str) {
-        let width = text.chars().count() as f64 * SMALL * LETTER;
-        if let Some(area) = room.beside(self.place(entry), (width, SMALL)) {
+    fn label(&mut self, entry: &Entry, text: &str, color: &str) {
+        let width = SMALL * length(text);
+        if let Some(area) = self.room.beside(self.place(entry), (width, SMALL)) {
             self.text((area.x, area.y + area.height - 2.0), "start", SMALL, color, text);
         }
     }
+}
+
+/// About how long a text of size 1 is.
+fn length(text: &str) -> f64 {
+    let letter = |c| match c {
+        'i' | 'j' | 'l' | 'I' | ' ' | ',' | '.' | ':' => 0.265,
+        't' | 'f' | 'r' | '²' => 0.38,
+        'm' | 'M' | 'w' | 'W' => 0.9,
+        'A'..='Z' => 0.65,
+        _ => 0.575,
+    };
+    text.chars().map(letter).sum()
 }
 
 /// What is written beside a point: samples each way, or all of them where no grid is meant.
