@@ -32,6 +32,9 @@ pub enum Reading {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve(Vec<Knot>);
 
+/// Errors that differ by less than this share are the same.
+const SAME: f64 = 0.01;
+
 impl Curve {
     /// The curve through `knots`. Methods without error or without work have no place on logarithmic axes and are left out.
     pub fn through(knots: impl IntoIterator<Item = Knot>) -> Self {
@@ -57,6 +60,10 @@ impl Curve {
 
     /// The seconds that so small an error takes.
     pub fn seconds_at(&self, error: f64) -> Reading {
+        // The same samples may differ in a few bits: that is no extrapolation.
+        if let Some(knot) = self.0.iter().find(|knot| (knot.error / error - 1.0).abs() < SAME) {
+            return Reading::Measured(knot.seconds());
+        }
         let inside = self.0.windows(2).find(|pair| (pair[1].error..=pair[0].error).contains(&error));
         if let Some([a, b]) = inside {
             return Reading::Measured(straight((a.error, a.seconds()), (b.error, b.seconds()), error));

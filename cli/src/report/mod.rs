@@ -10,6 +10,7 @@ mod judge;
 mod maps;
 mod measure;
 mod methods;
+mod numbers;
 mod page;
 mod pareto;
 mod plot;

@@ -100,7 +100,7 @@ mod tests {
 
     #[test]
     fn one_tile_in_so_many_is_taken() {
-        let seen = seen(512, 512);
+        let seen = seen(2048, 64);
         let all = seen.seen().count() as f64;
         for one_in in [2, 4, 8, 16, 32, 64] {
             let share = Choice::new(&seen, one_in).receivers.len() as f64 / all;

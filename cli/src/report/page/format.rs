@@ -1,13 +1,20 @@
 //! Numbers and texts as the page shows them.
 
-use crate::report::curve::Reading;
+use crate::report::{
+    curve::Reading,
+    numbers::{SMALLEST_PLAIN, power, power_of_ten},
+};
 
-/// With three digits that count: 0.00123, 0.456, 12.3, 4560.
+/// With three digits that count: 1.23·10⁻⁵, 0.00123, 0.456, 12.3, 4560.
 pub fn three_digits(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return if value == 0.0 { "0".to_owned() } else { "–".to_owned() };
     }
-    let digits = (2 - value.abs().log10().floor() as i32).clamp(0, 9) as usize;
+    let power = power(value.abs());
+    if value.abs() < SMALLEST_PLAIN {
+        return format!("{:.2}·{}", value / 10_f64.powi(power), power_of_ten(power));
+    }
+    let digits = (2 - power).clamp(0, 9) as usize;
     format!("{value:.digits$}")
 }
 
@@ -31,8 +38,8 @@ mod tests {
 
     #[test]
     fn three_digits_count() {
-        let written = [0.0, 0.001_234, 0.4567, 12.34, 4567.8].map(three_digits);
-        assert_eq!(written, ["0", "0.00123", "0.457", "12.3", "4568"]);
+        let written = [0.0, 0.000_012_34, 0.001_234, 0.4567, 12.34, 4567.8].map(three_digits);
+        assert_eq!(written, ["0", "1.23·10⁻⁵", "0.00123", "0.457", "12.3", "4568"]);
     }
 
     #[test]

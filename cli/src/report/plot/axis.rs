@@ -1,5 +1,7 @@
 //! A logarithmic axis, and the numbers along it.
 
+use crate::report::numbers::{SMALLEST_PLAIN, power, power_of_ten};
+
 /// A logarithmic axis on a part of the drawing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Axis {
@@ -62,8 +64,13 @@ impl Axis {
     }
 }
 
-/// A value as people write it: 0.002, 0.5, 20, 3000.
+/// The value of a tick as people write it: 2·10⁻⁵, 0.002, 0.5, 20, 3000.
 pub fn number(value: f64) -> String {
+    if value < SMALLEST_PLAIN {
+        let (power, ten) = (power(value), power_of_ten(power(value)));
+        let digit = (value / 10_f64.powi(power)).round();
+        return if digit > 1.0 { format!("{digit}·{ten}") } else { ten };
+    }
     let digits = (-value.abs().max(1e-12).log10()).ceil().max(0.0) as usize;
     format!("{value:.digits$}")
 }
@@ -90,7 +97,7 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        let written = [0.0001, 0.002, 0.05, 0.5, 1.0, 20.0, 3000.0].map(number);
-        assert_eq!(written, ["0.0001", "0.002", "0.05", "0.5", "1", "20", "3000"]);
+        let written = [0.000_02, 0.000_01, 0.0001, 0.002, 0.05, 0.5, 1.0, 20.0, 3000.0].map(number);
+        assert_eq!(written, ["2·10⁻⁵", "10⁻⁵", "0.0001", "0.002", "0.05", "0.5", "1", "20", "3000"]);
     }
 }

@@ -182,6 +182,9 @@ impl<'a> Plot<'a> {
         }
         path += &format!("H{RIGHT}");
         let steps = on_front.windows(2).map(|pair| (pair[0], pair[1]));
+        if let Some(&(x, y)) = on_front.last() {
+            self.room.take_line((x, y), (RIGHT, y));
+        }
         for ((x0, y0), (x1, y1)) in steps {
             self.room.take_line((x0, y0), (x1, y0));
             self.room.take_line((x1, y0), (x1, y1));
