@@ -21,25 +21,21 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Write the occlusion mask of every receiver, one bit a light sample
     Masks(MasksArgs),
+    /// Measure what accuracy costs, for every way to buy it, on one page
+    Report(Box<ReportArgs>),
     /// Show what this machine offers and what would run
     Info,
 }
 
-/// Options of `render`.
+/// What is shown, and from where.
 #[derive(Clone, Debug, ClapArgs)]
-pub struct RenderArgs {
+pub struct SceneArgs {
     /// Model: .obj, .ply, .ply.gz, .gltf, .glb, or .npy of shape (T, 3, 3)
     #[arg(required_unless_present = "builtin", conflicts_with = "builtin")]
     pub model: Option<PathBuf>,
-    /// Render the built-in scene instead of a model
+    /// Take the built-in scene instead of a model
     #[arg(long)]
     pub builtin: bool,
-    /// Picture to write: .png (tone-mapped) or .exr (linear f32)
-    #[arg(short, long)]
-    pub output: PathBuf,
-    /// What to show of every pixel
-    #[arg(long, value_enum, default_value_t = View::Shaded)]
-    pub view: View,
     /// Size of the picture, WIDTHxHEIGHT
     #[arg(long, value_parser = size, default_value = "512x512", conflicts_with_all = ["width", "height"])]
     pub size: (u32, u32),
@@ -49,9 +45,6 @@ pub struct RenderArgs {
     /// Height of the picture
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=32768))]
     pub height: Option<u32>,
-    /// Receivers each way in every pixel of the picture: smooths edges
-    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
-    pub oversample: u32,
     /// Where the camera stands [default: fitted to the model]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub camera_from: Option<DVec3>,
@@ -70,15 +63,46 @@ pub struct RenderArgs {
     /// Distance of the fitted light from the model's middle, in diagonals of the model's box [default: 1]
     #[arg(long, conflicts_with = "light")]
     pub light_distance: Option<f64>,
-    /// Light samples each way
-    #[arg(long, value_name = "N", default_value = "32", value_parser = ["8", "16", "32", "64"])]
-    pub samples: String,
     /// Leave out the ground under the model
     #[arg(long)]
     pub no_ground: bool,
+}
+
+/// Options of `render`.
+#[derive(Clone, Debug, ClapArgs)]
+pub struct RenderArgs {
+    /// What is shown
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Picture to write: .png (tone-mapped) or .exr (linear f32)
+    #[arg(short, long)]
+    pub output: PathBuf,
+    /// What to show of every pixel
+    #[arg(long, value_enum, default_value_t = View::Shaded)]
+    pub view: View,
+    /// Receivers each way in every pixel of the picture: smooths edges
+    #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
+    pub oversample: u32,
+    /// Light samples each way
+    #[arg(long, value_name = "N", default_value = "32", value_parser = ["8", "16", "32", "64"])]
+    pub samples: String,
     /// How the work is done
     #[command(flatten)]
     pub work: WorkArgs,
+}
+
+/// Options of `report`.
+#[derive(Clone, Debug, ClapArgs)]
+pub struct ReportArgs {
+    /// What is shown
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Folder to make: index.html, report.csv, plot.png and pictures
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+    /// What the work is done on
+    #[command(flatten)]
+    pub machine: MachineArgs,
 }
 
 /// Options of `masks`.
@@ -119,6 +143,14 @@ pub struct WorkArgs {
     /// Where the work is done; the bits are the same
     #[arg(long, value_enum, default_value_t = ExecutorArg::Cpu)]
     pub executor: ExecutorArg,
+    /// What the work is done on
+    #[command(flatten)]
+    pub machine: MachineArgs,
+}
+
+/// What the work is done on.
+#[derive(Clone, Debug, Default, ClapArgs)]
+pub struct MachineArgs {
     /// The GPU to take, by a part of its name [default: the best; never a software driver]
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
@@ -172,31 +204,40 @@ pub enum ExecutorArg {
     Auto,
 }
 
-impl RenderArgs {
-    /// Width and height of the picture.
-    pub fn pixels(&self) -> (u32, u32) {
-        (self.width.unwrap_or(self.size.0), self.height.unwrap_or(self.size.1))
-    }
-
-    /// The built-in scene with all defaults: what runs without a command.
-    pub fn without_arguments() -> Self {
+impl SceneArgs {
+    /// The built-in scene with all defaults.
+    pub fn built_in() -> Self {
         Self {
             model: None,
             builtin: true,
-            output: "umbra4.png".into(),
-            view: View::Shaded,
             size: (512, 512),
             width: None,
             height: None,
-            oversample: 1,
             camera_from: None,
             camera_to: None,
             fov: None,
             light: None,
             light_size: None,
             light_distance: None,
-            samples: "32".to_owned(),
             no_ground: false,
+        }
+    }
+
+    /// Width and height of the picture.
+    pub fn pixels(&self) -> (u32, u32) {
+        (self.width.unwrap_or(self.size.0), self.height.unwrap_or(self.size.1))
+    }
+}
+
+impl RenderArgs {
+    /// The built-in scene with all defaults: what runs without a command.
+    pub fn without_arguments() -> Self {
+        Self {
+            scene: SceneArgs::built_in(),
+            output: "umbra4.png".into(),
+            view: View::Shaded,
+            oversample: 1,
+            samples: "32".to_owned(),
             work: WorkArgs::default(),
         }
     }

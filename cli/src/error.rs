@@ -7,8 +7,13 @@ use umbra4_cpu::{ExecutorError, SceneError};
 use umbra4_wgpu::GpuError;
 
 use crate::{
-    array_file::ArrayError, camera::CameraError, in_file::InFile, light_file::LightFileError, model::ModelError,
+    array_file::ArrayError,
+    camera::CameraError,
+    in_file::InFile,
+    light_file::LightFileError,
+    model::ModelError,
     output::OutputError,
+    report::{CompareError, RasterError},
 };
 
 /// Why the program stopped.
@@ -35,6 +40,10 @@ pub enum ProgramError {
     Executor(#[from] ExecutorError),
     /// The GPU.
     Gpu(#[from] GpuError),
+    /// Visibilities that cannot be compared.
+    Compare(#[from] CompareError),
+    /// A plot that cannot be drawn.
+    Plot(#[from] RasterError),
     /// Standard output is closed.
     Stdout(#[from] io::Error),
     /// A picture that would not fit the memory of most machines.

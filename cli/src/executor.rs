@@ -5,7 +5,7 @@ use umbra4_cpu::{CpuExecutor, CpuWord, Occluders, Receivers};
 use umbra4_wgpu::{Choice, Gpu, LatticeScene, WgpuExecutor};
 
 use crate::{
-    args::{ExecutorArg, PrecisionArg, WorkArgs},
+    args::{ExecutorArg, MachineArgs, PrecisionArg, WorkArgs},
     error::ProgramError,
 };
 
@@ -62,14 +62,8 @@ impl AnyExecutor {
     /// # Errors
     /// The system refuses the threads; there is no such adapter.
     pub fn new(work: &WorkArgs) -> Result<Self, ProgramError> {
-        if let Some(threads) = work.threads {
-            let threads = usize::from(threads);
-            rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .build_global()
-                .map_err(|e| ProgramError::Threads { threads, reason: e.to_string() })?;
-        }
-        let choice = work.adapter.clone().map_or(Choice::Hardware, Choice::Named);
+        use_threads(&work.machine)?;
+        let choice = choice(&work.machine);
         Ok(match work.executor {
             ExecutorArg::Cpu => Self::cpu(work.precision),
             ExecutorArg::Gpu => Self::gpu(Gpu::open(&choice)?, work.precision),
@@ -79,11 +73,13 @@ impl AnyExecutor {
         })
     }
 
-    fn cpu(precision: PrecisionArg) -> Self {
+    /// On the processor.
+    pub fn cpu(precision: PrecisionArg) -> Self {
         Self::Cpu(CpuExecutor::new().with_precision(precision.into()))
     }
 
-    fn gpu(gpu: Gpu, precision: PrecisionArg) -> Self {
+    /// On a GPU.
+    pub fn gpu(gpu: Gpu, precision: PrecisionArg) -> Self {
         let executor = WgpuExecutor::new(gpu).with_counts(true).with_stage_times(true);
         Self::Gpu(Box::new(executor.with_precision(precision.into())))
     }
@@ -149,6 +145,23 @@ impl AnyExecutor {
             }
         }
     }
+}
+
+/// Makes rayon's global threads as many as the command line asks for.
+///
+/// # Errors
+/// The system refuses the threads.
+pub fn use_threads(machine: &MachineArgs) -> Result<(), ProgramError> {
+    let Some(threads) = machine.threads.map(usize::from) else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build_global()
+        .map_err(|e| ProgramError::Threads { threads, reason: e.to_string() })
+}
+
+/// The adapter that the command line asks for.
+pub fn choice(machine: &MachineArgs) -> Choice {
+    machine.adapter.clone().map_or(Choice::Hardware, Choice::Named)
 }
 
 fn on_lattice(occluders: &Occluders) -> LatticeScene<'_> {

@@ -22,6 +22,9 @@ pub enum OutputError {
     /// Nothing is known about files of that name.
     #[error("unknown picture format: the name must end in .png or .exr")]
     UnknownExtension,
+    /// A folder would be mixed up with what is there.
+    #[error("is there already, and not an empty folder")]
+    Occupied,
 }
 
 /// Lets `write` fill a file beside `path`, then gives it that name. On any error nothing is left, and a file that was

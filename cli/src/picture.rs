@@ -62,7 +62,7 @@ impl Picture {
     /// See [`OutputError`].
     pub fn write(&self, path: &Path, format: PictureFormat) -> Result<(), InFile<OutputError>> {
         let (image, format) = match format {
-            PictureFormat::Png => (self.encoded(), ImageFormat::Png),
+            PictureFormat::Png => (self.encoded().into(), ImageFormat::Png),
             PictureFormat::Exr => (self.linear(), ImageFormat::OpenExr),
         };
         write_whole(path, |writer| Ok(image.write_to(writer, format)?))
@@ -89,7 +89,8 @@ impl Picture {
         image.into()
     }
 
-    fn encoded(&self) -> DynamicImage {
+    /// The picture as a PNG holds it: eight bits a channel.
+    pub fn encoded(&self) -> RgbImage {
         let mut image = RgbImage::new(self.width, self.height);
         for (out, pixel) in image.pixels_mut().zip(&self.pixels) {
             let encoded = match self.meaning {
@@ -98,7 +99,7 @@ impl Picture {
             };
             out.0 = encoded.map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8);
         }
-        image.into()
+        image
     }
 }
 
@@ -120,7 +121,7 @@ mod tests {
     fn data_are_written_as_they_are() {
         let pixels = vec![Vec3::ZERO, Vec3::splat(0.5), Vec3::ONE, Vec3::new(1.0, 0.0, 0.2)];
         let picture = Picture { width: 2, height: 2, pixels, meaning: Meaning::Data };
-        assert_eq!(picture.encoded().into_rgb8().into_raw(), [0, 0, 0, 128, 128, 128, 255, 255, 255, 255, 0, 51]);
+        assert_eq!(picture.encoded().into_raw(), [0, 0, 0, 128, 128, 128, 255, 255, 255, 255, 0, 51]);
     }
 
     #[test]

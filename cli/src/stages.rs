@@ -16,10 +16,15 @@ impl Stages {
     /// `count` stages are to come. The bar draws on stderr, and only where that is a terminal.
     pub fn new(count: u64) -> Self {
         let bar = ProgressBar::new(count);
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg:<18} [{bar:32}] {pos}/{len} {elapsed}") {
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg:<32} [{bar:32}] {pos}/{len} {elapsed}") {
             bar.set_style(style);
         }
         Self { bar, seconds: Vec::new() }
+    }
+
+    /// `count` more stages are to come.
+    pub fn expect(&self, count: u64) {
+        self.bar.inc_length(count);
     }
 
     /// Runs one stage.
@@ -39,9 +44,14 @@ impl Stages {
         self.seconds.extend(report.seconds_by_stage.iter().cloned());
     }
 
+    /// Takes the bar away.
+    pub fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+
     /// Takes the bar away and returns the table.
     pub fn table(self) -> String {
-        self.bar.finish_and_clear();
+        self.clear();
         let mut table = String::from("stage                seconds\n");
         for (name, seconds) in &self.seconds {
             table += &format!("{name:<18} {seconds:>9.3}\n");

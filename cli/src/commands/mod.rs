@@ -3,6 +3,7 @@
 mod info;
 mod masks;
 mod render;
+mod report;
 
 use crate::{
     args::{Args, Command, RenderArgs},
@@ -18,6 +19,7 @@ pub fn run(args: &Args) -> Result<(), ProgramError> {
         None => render::run(&RenderArgs::without_arguments()),
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Masks(args)) => masks::run(args),
+        Some(Command::Report(args)) => report::run(args),
         Some(Command::Info) => info::run(),
     }
 }

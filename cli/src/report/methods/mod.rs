@@ -1,0 +1,179 @@
+//! The ways to buy accuracy. One more is one more entry in [`all`].
+
+mod bvh;
+mod rays;
+mod umbra;
+
+use umbra4_core::Counts;
+use umbra4_wgpu::Gpu;
+
+use crate::{
+    args::{MachineArgs, PrecisionArg},
+    error::ProgramError,
+    executor::{AnyExecutor, choice},
+    report::{problem::Problem, tiles::Choice},
+};
+use bvh::Bvh;
+use rays::{Pattern, Rays};
+use umbra::Umbra;
+pub use umbra::{REFERENCE_SIDE, reference};
+
+/// Methods that differ in nothing but the number of samples: one curve of the plot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Family {
+    /// umbra4 on the processor, certified.
+    CpuExact,
+    /// umbra4 on the processor, plain f32.
+    CpuFast,
+    /// umbra4 on a GPU, certified.
+    GpuExact,
+    /// umbra4 on a GPU, plain f32.
+    GpuFast,
+    /// Rays to the samples that umbra4 has too.
+    RegularRays,
+    /// Rays to stratified, jittered samples, other ones for every receiver.
+    JitteredRays,
+}
+
+impl Family {
+    /// All of them, in the order of legends and tables.
+    pub const ALL: [Self; 6] =
+        [Self::CpuExact, Self::CpuFast, Self::GpuExact, Self::GpuFast, Self::RegularRays, Self::JitteredRays];
+
+    /// What it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::CpuExact => "umbra4 exact",
+            Self::CpuFast => "umbra4 fast",
+            Self::GpuExact => "umbra4 exact, GPU",
+            Self::GpuFast => "umbra4 fast, GPU",
+            Self::RegularRays => "BVH rays, regular samples",
+            Self::JitteredRays => "BVH rays, jittered samples",
+        }
+    }
+
+    /// Its colour, as CSS writes it: told apart by those who see colours differently, too (Okabe and Ito's).
+    pub fn color(self) -> &'static str {
+        match self {
+            Self::CpuExact => "#0072b2",
+            Self::CpuFast => "#56b4e9",
+            Self::GpuExact => "#007a5a",
+            Self::GpuFast => "#3fbf9b",
+            Self::RegularRays => "#d55e00",
+            Self::JitteredRays => "#b5527f",
+        }
+    }
+
+    /// Whether umbra4's masks are what it measures.
+    pub fn is_umbra(self) -> bool {
+        matches!(self, Self::CpuExact | Self::CpuFast | Self::GpuExact | Self::GpuFast)
+    }
+
+    /// Whether it traces rays.
+    pub fn is_rays(self) -> bool {
+        matches!(self, Self::RegularRays | Self::JitteredRays)
+    }
+}
+
+/// What one run of a method gave.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Run {
+    /// Visibility of the receivers of the method's [`Choice`], in 0..=1, in its order.
+    pub visibility: Vec<f32>,
+    /// Names of stages and their seconds; of a method that ran on some receivers, what all would take.
+    pub seconds_by_stage: Vec<(String, f64)>,
+    /// Those of them, of rays, that come before the first ray, however many there are.
+    pub index_seconds: f64,
+    /// Pairs and fallbacks; rays have none.
+    pub counts: Option<Counts>,
+}
+
+impl Run {
+    /// All stages.
+    pub fn seconds(&self) -> f64 {
+        self.seconds_by_stage.iter().map(|(_, seconds)| seconds).sum()
+    }
+}
+
+/// A way to buy accuracy.
+pub trait Method {
+    /// The curve that it is on.
+    fn family(&self) -> Family;
+
+    /// Light samples a receiver, each way.
+    fn side(&self) -> u32;
+
+    /// The receivers that it runs on.
+    fn choice(&self) -> &Choice;
+
+    /// Its name: unlike any other's.
+    fn name(&self) -> String {
+        match self.family() {
+            Family::JitteredRays => format!("{}, {}", self.family().name(), self.side() * self.side()),
+            _ => format!("{}, {1}×{1}", self.family().name(), self.side()),
+        }
+    }
+
+    /// Runs it, timed from the world to the visibility of its receivers.
+    ///
+    /// # Errors
+    /// Whatever the method refuses.
+    fn run(&self, problem: &Problem) -> Result<Run, ProgramError>;
+}
+
+/// The method whose time is the unit of relative times.
+pub const UNIT: (Family, u32) = (Family::CpuExact, 8);
+
+const SIDES: [u32; 4] = [8, 16, 32, 64];
+const REGULAR: [u32; 3] = [8, 16, 32];
+const JITTERED: [u32; 5] = [2, 4, 8, 16, 32];
+
+/// A GPU, or why there is none.
+pub enum Device {
+    /// An adapter that is open.
+    Open(Gpu),
+    /// What the system said.
+    Missing(String),
+}
+
+impl Device {
+    /// The GPU that the command line names, or the best if there is one; a software driver only by name.
+    ///
+    /// # Errors
+    /// The one that is named cannot be opened.
+    pub fn open(machine: &MachineArgs) -> Result<Self, ProgramError> {
+        match Gpu::open(&choice(machine)) {
+            Ok(gpu) => Ok(Self::Open(gpu)),
+            Err(error) if machine.adapter.is_none() => Ok(Self::Missing(error.to_string())),
+            Err(error) => Err(error.into()),
+        }
+    }
+}
+
+/// All methods, in the order of tables.
+///
+/// # Errors
+/// A light that no lattice holds.
+pub fn all(problem: &Problem, device: &Device) -> Result<Vec<Box<dyn Method>>, ProgramError> {
+    let mut methods: Vec<Box<dyn Method>> = Vec::new();
+    let precisions = [PrecisionArg::Exact, PrecisionArg::Fast];
+    for (precision, family) in precisions.into_iter().zip([Family::CpuExact, Family::CpuFast]) {
+        for side in SIDES {
+            methods.push(Box::new(Umbra::new(problem, family, side, AnyExecutor::cpu(precision))));
+        }
+    }
+    if let Device::Open(gpu) = device {
+        for (precision, family) in precisions.into_iter().zip([Family::GpuExact, Family::GpuFast]) {
+            for side in SIDES {
+                methods.push(Box::new(Umbra::new(problem, family, side, AnyExecutor::gpu(gpu.clone(), precision))));
+            }
+        }
+    }
+    let bvh = Bvh::new(problem)?;
+    for (pattern, sides) in [(Pattern::Regular, &REGULAR[..]), (Pattern::Jittered, &JITTERED)] {
+        for &side in sides {
+            methods.push(Box::new(Rays::new(problem, &bvh, pattern, side)?));
+        }
+    }
+    Ok(methods)
+}
