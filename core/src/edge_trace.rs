@@ -213,7 +213,8 @@ fn cut_behind<L: Lanes>(view: &View<L::Long>, ends: &mut [[f32; 4]; 3], lost_hei
     let (at, beside) = (view.at[2][0], view.beside_height(0));
     let heights = [at - (ends[2][0] - beside), at - (ends[2][1] - beside)];
     let largest = Lanes::max(Lanes::abs(ends[2][0]), Lanes::abs(ends[2][1]));
-    let error = L::ROUNDOFF * (8.0 * (Lanes::abs(at) + largest + Lanes::abs(beside)) + 2.0 * lost_height);
+    let error =
+        L::ROUNDOFF * (8.0 * (Lanes::abs(at) + largest + Lanes::abs(beside)) + 2.0 * lost_height + view.bound.heights);
     let low = (heights[1] < heights[0]) as usize;
     if heights[low] >= error {
         return Some(0.0);

@@ -46,6 +46,8 @@ pub(crate) struct ViewBound {
     /// B and B_h.
     beside: f32,
     beside_height: f32,
+    /// C_h
+    pub(crate) heights: f32,
     /// Terms of δ: constant, times e, times q, times e·q.
     pub(crate) constant: f32,
     pub(crate) per_e: f32,
@@ -129,6 +131,7 @@ impl<R: Real> View<R> {
             height: height * R::DOT_ERRORS,
             beside: 2.0 * beside.largest(),
             beside_height: 2.0 * beside_height.largest(),
+            heights,
             constant: aside + R::DOT_ERRORS * reach.dot(farthest) + 8.0 + grid.skew / f32::EPSILON * 2.0,
             per_e: 18.0 + axis,
             per_q: heights / lowest + 9.0,

@@ -7,15 +7,17 @@ use umbra4_core::{
     glam::{IVec3, Vec3},
     lanes::Sixteen,
     order::{CodeFrame, code},
-    proj4::{KeyTile, Keys},
+    proj4::{KeyTile, Keys, VertexKeys},
     serial::{Serial, SerialError},
+    silhouette::{SilhouetteEdge, direction},
     snap::SnapParams,
     stage::{
         build_level::build_level,
         key_receivers::key_receivers,
-        key_triangles::key_triangles,
+        key_triangles::{key_between, key_triangles},
         reduce,
         resolve::{Group, Occlusion, resolve},
+        resolve_silhouette::{SilhouetteRoom, SilhouetteScene, resolve_silhouette},
         snap_receivers::snap_receivers,
         snap_vertices::snap_vertices,
     },
@@ -46,6 +48,29 @@ pub extern "C" fn check_key_triangles(
     triangles: &[[u32; 3]],
 ) -> Option<(Keys, Occluder)> {
     key_triangles(id, frame, light, vertices, triangles)
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_key_between(
+    id: usize,
+    frame: &LightFrame,
+    light: &LatticeLight,
+    vertices: &[IVec3],
+    vertex_keys: &[VertexKeys],
+    triangles: &[[u32; 3]],
+) -> Option<(Keys, Occluder)> {
+    key_between(id, frame, light, vertices, vertex_keys, triangles)
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_vertex_keys(frame: &LightFrame, vertex: IVec3) -> (VertexKeys, Keys, Keys) {
+    let keys = VertexKeys::new(frame, vertex);
+    (keys, keys.for_light(), keys.for_corner())
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_silhouette_edge(from: IVec3, occluder: &Occluder) -> SilhouetteEdge {
+    SilhouetteEdge::new(from, occluder.corner(1), direction(occluder, from))
 }
 
 #[unsafe(no_mangle)]
@@ -114,6 +139,24 @@ macro_rules! instantiate {
             #[unsafe(export_name = concat!("check_resolve_sixteen_", stringify!($module)))]
             pub extern "C" fn resolve_sixteen(scene: &Occlusion<'_>, group: &mut Group<$word>) {
                 resolve::<Sixteen, $word, $precision>(scene, group);
+            }
+
+            #[unsafe(export_name = concat!("check_resolve_silhouette_sixteen_", stringify!($module)))]
+            pub extern "C" fn resolve_silhouette_sixteen(
+                scene: &SilhouetteScene<'_>,
+                group: &mut Group<$word>,
+                room: &mut SilhouetteRoom<$word>,
+            ) {
+                resolve_silhouette::<Sixteen, $word, $precision>(scene, group, room);
+            }
+
+            #[unsafe(export_name = concat!("check_resolve_silhouette_one_", stringify!($module)))]
+            pub extern "C" fn resolve_silhouette_one(
+                scene: &SilhouetteScene<'_>,
+                group: &mut Group<$word>,
+                room: &mut SilhouetteRoom<$word>,
+            ) {
+                resolve_silhouette::<f32, $word, $precision>(scene, group, room);
             }
 
             #[unsafe(export_name = concat!("check_resolve_one_", stringify!($module)))]
