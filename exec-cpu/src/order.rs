@@ -7,6 +7,8 @@ use umbra4_core::{
     proj4::Keys,
 };
 
+use crate::scatter::Scatter;
+
 /// Entries looked at to find the middle and the spread of a scene.
 const SAMPLES: usize = 1024;
 
@@ -32,24 +34,39 @@ pub(crate) fn ordered<T: Sync>(
 /// Binary digits that a pass sorts by; codes have 30 (and [`Entry::ABSENT`] all ones).
 const DIGITS: u32 = 11;
 
-/// Sorts by code, entries of the same code staying in order: three passes over the entries, whatever their number.
+/// Entries that are worth a thread.
+const PART: usize = 1 << 14;
+
+/// Sorts by code, entries of the same code staying in order: three passes over the entries, whatever their number. In each,
+/// every thread counts the digits of its part, and so knows where they go.
 fn sort(entries: &mut Vec<Entry>) {
+    let part = entries.len().div_ceil(rayon::current_num_threads()).max(PART);
     let mut other = vec![Entry::default(); entries.len()];
     for pass in 0..3 {
         let digit = |entry: &Entry| (entry.code >> (pass * DIGITS)) as usize & ((1 << DIGITS) - 1);
-        let mut places = vec![0_u32; 1 << DIGITS];
-        for entry in entries.iter() {
-            places[digit(entry)] += 1;
-        }
+        let count = |entries: &[Entry]| {
+            let mut places = vec![0_u32; 1 << DIGITS];
+            for entry in entries {
+                places[digit(entry)] += 1;
+            }
+            places
+        };
+        let mut places: Vec<Vec<u32>> = entries.par_chunks(part).map(count).collect();
         let mut sum = 0;
-        for place in &mut places {
-            sum += std::mem::replace(place, sum);
+        for digit in 0..1 << DIGITS {
+            for places in &mut places {
+                sum += std::mem::replace(&mut places[digit], sum);
+            }
         }
-        for entry in entries.iter() {
-            let place = &mut places[digit(entry)];
-            other[*place as usize] = *entry;
-            *place += 1;
-        }
+        let out = Scatter::new(&mut other);
+        entries.par_chunks(part).zip(&mut places).for_each(|(entries, places)| {
+            for entry in entries {
+                let place = &mut places[digit(entry)];
+                // SAFETY: places were counted, so that every entry has one of its own.
+                unsafe { out.part(*place as usize, 1) }.copy_from_slice(std::slice::from_ref(entry));
+                *place += 1;
+            }
+        });
         std::mem::swap(entries, &mut other);
     }
 }

@@ -8,7 +8,7 @@ use umbra4_core::{
     edge_plane::{LightGrid, Occluder},
     lanes::TILE,
     order::Entry,
-    proj4::{KeyTile, Keys, NODE, VertexKeys},
+    proj4::{KeyTile, Keys, NODE, NOTHING, VertexKeys},
     stage::{
         Stage,
         build_level::build_level,
@@ -108,15 +108,18 @@ impl<'a, W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, V> {
 
     fn order_triangles(&mut self) {
         let order = ordered(&self.grid.frame, &self.triangles, |found| found.map(|(keys, _)| keys));
-        let entries = order.iter().map_while(|entry| self.triangles[entry.index as usize].as_ref().map(|f| (entry, f)));
-        self.in_order.clear();
-        self.order.clear();
-        self.nodes = vec![KeyTile::NOTHING; self.how.plan.levels().tiles()];
-        for (place, (entry, (keys, occluder))) in entries.enumerate() {
-            self.nodes[place / NODE].set(place % NODE, keys);
-            self.in_order.push(*occluder);
-            self.order.push(entry.index);
-        }
+        // Those that take no part come last.
+        let order = &order[..order.partition_point(|entry| entry.code != Entry::ABSENT)];
+        let (triangles, levels) = (&self.triangles, self.how.plan.levels());
+        let found = |entry: &Entry| triangles[entry.index as usize].unwrap_or((NOTHING, Occluder::NONE));
+        order.par_iter().map(|entry| entry.index).collect_into_vec(&mut self.order);
+        order.par_iter().map(|entry| found(entry).1).collect_into_vec(&mut self.in_order);
+        self.nodes = vec![KeyTile::NOTHING; levels.tiles()];
+        self.nodes[levels.range(0)].par_iter_mut().zip(order.par_chunks(NODE)).for_each(|(tile, entries)| {
+            for (place, entry) in entries.iter().enumerate() {
+                tile.set(place, &found(entry).0);
+            }
+        });
         if self.how.plan.facts().index == IndexKind::Hierarchy {
             self.triangles = Vec::new();
         }

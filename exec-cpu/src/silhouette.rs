@@ -99,8 +99,8 @@ impl Silhouette {
         let keyed = mixed
             .map(|(index, occluder)| (*occluder, found.triangles[*index as usize].map_or(NOTHING, |(keys, _)| keys)));
         let mixed = Hierarchy::new(keyed);
-        let facing = found.corner_nodes(&corner);
-        Some(Self { corner, mixed, facing, edges: found.edges(&turned) })
+        let (facing, edges) = rayon::join(|| found.corner_nodes(&corner), || found.edges(&turned));
+        Some(Self { corner, mixed, facing, edges })
     }
 
     pub(crate) fn scene<'a>(&'a self, all: Occlusion<'a>) -> SilhouetteScene<'a> {
