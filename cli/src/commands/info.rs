@@ -15,7 +15,7 @@ const EXAMPLE: SceneFacts = SceneFacts {
     world_receivers: false,
     visibility: true,
     block: 1 << 18,
-    index: IndexKind::Hierarchy,
+    index: IndexKind::Silhouette,
 };
 
 pub(super) fn run() -> Result<(), ProgramError> {
