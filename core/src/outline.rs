@@ -10,7 +10,7 @@
 //! Coordinates are columns j, rows i and heights h of the light's frame, *sheared* along the ray from one receiver of the
 //! group to the light's middle. A shear along the plane h = 0 moves no point of it, so its rounding is no error; but
 //! receivers and relevant corners then lie almost above one another, and little is cancelled. Receivers are placed
-//! relative to the light (j_p, i_p, h_p) and to that one receiver, corners relative to it too, with [`Real`], and rounded
+//! relative to the light (j_p, i_p, h_p) and to that one receiver, corners relative to it too, with [`crate::real::Real`], and rounded
 //! to f32. With `d = corner − receiver` the corner is seen at `j = j_p + s·d_j`, `s = h_p/(−d_h)`.
 //!
 //! In units of ε, to first order: j_p has 1, and C from its dot product; d_j is the difference of two rounded numbers,
