@@ -26,8 +26,8 @@ pub struct Depths<W> {
     digits: [MaskRows<W>; DIGITS],
     /// What is added from one row to the next, in all columns.
     steps: [i16; MAX_SAMPLES as usize + 1],
-    /// Digits that may differ from what those of lesser depth would be.
-    used: usize,
+    /// Whether more than a few digits were counted in.
+    deep: bool,
 }
 
 impl<W: MaskWord> Depths<W> {
@@ -35,7 +35,7 @@ impl<W: MaskWord> Depths<W> {
     pub const FLAT: Self = {
         let mut digits = [[W::EMPTY; MASK_ROWS]; DIGITS];
         digits[FEW_DIGITS - 1] = [W::ALL; MASK_ROWS];
-        Self { digits, steps: [0; MAX_SAMPLES as usize + 1], used: FEW_DIGITS }
+        Self { digits, steps: [0; MAX_SAMPLES as usize + 1], deep: false }
     };
 
     /// All rows from `row` on, `row <= 64`, are deeper by `by`.
@@ -73,7 +73,7 @@ impl<W: MaskWord> Depths<W> {
             k += 1;
         }
         if any != W::EMPTY {
-            self.used = DIGITS;
+            self.deep = true;
             self.carry(FEW_DIGITS, DIGITS, row, carry, down);
         }
     }
@@ -100,29 +100,24 @@ impl<W: MaskWord> Depths<W> {
     /// zero again.
     #[inline(always)]
     pub(crate) fn flush(&mut self, origin: u32, rows: u32, columns: u32, mask: &mut MaskRows<W>) {
-        let used = if self.used < DIGITS { FEW_DIGITS } else { DIGITS };
-        let mut first = self.steps[0] as i32;
+        let used = self.used();
+        let mut at_origin = self.steps[0] as i32;
         let mut digit = 0;
         while digit < used {
-            first += (self.digits[digit][0].bit(0) as i32) << digit;
+            at_origin += (self.digits[digit][0].bit(0) as i32) << digit;
             digit += 1;
         }
         // A sample has nothing before it where its digits are those of what would have to be added.
-        let mut missing = first - origin as i32;
+        let mut missing = at_origin - origin as i32;
         let all = W::below(columns);
         let mut first = 0;
         while first < rows as usize && first < MAX_SAMPLES as usize {
-            let mut wanted = [0_i32; TILE];
+            let (mut wanted, mut found) = ([0_i32; TILE], [W::EMPTY; TILE]);
             let mut k = 0;
             while k < TILE {
                 missing -= self.steps[first + k] as i32;
                 wanted[k] = missing;
-                k += 1;
-            }
-            let mut found = [W::EMPTY; TILE];
-            let mut k = 0;
-            while k < TILE {
-                let never = used == FEW_DIGITS && wanted[k] as u32 >> FEW_DIGITS != 0;
+                let never = !self.deep && missing as u32 >> FEW_DIGITS != 0;
                 found[k] = if never { all } else { W::EMPTY };
                 k += 1;
             }
@@ -149,18 +144,22 @@ impl<W: MaskWord> Depths<W> {
     /// All depths are zero again, if only `rows` rows were counted in.
     #[inline(always)]
     pub(crate) fn clear(&mut self, rows: u32) {
-        let used = if self.used < DIGITS { FEW_DIGITS } else { DIGITS };
+        let used = self.used();
         let mut digit = 0;
         while digit < used {
-            let start = if digit == FEW_DIGITS - 1 { W::ALL } else { W::EMPTY };
             let mut row = 0;
             while row < rows as usize && row < MASK_ROWS {
-                self.digits[digit][row] = start;
+                self.digits[digit][row] = Self::FLAT.digits[digit][row];
                 row += 1;
             }
             digit += 1;
         }
         self.steps = [0; MAX_SAMPLES as usize + 1];
-        self.used = FEW_DIGITS;
+        self.deep = false;
+    }
+
+    #[inline(always)]
+    fn used(&self) -> usize {
+        if self.deep { DIGITS } else { FEW_DIGITS }
     }
 }

@@ -23,8 +23,6 @@
 
 use glam::{IVec3, Vec3};
 
-#[cfg(not(target_arch = "spirv"))]
-use crate::frame;
 use crate::{
     doubt::Margins,
     exact::{self, Wide},
@@ -34,6 +32,8 @@ use crate::{
     precision::PrecisionMode,
     side::Sides,
 };
+#[cfg(not(target_arch = "spirv"))]
+use crate::{frame, real::Real};
 
 /// Roundoffs in the bound on the switch column.
 const COLUMN_ERRORS: f32 = 20.0;
@@ -184,24 +184,22 @@ impl Occluder {
     }
 }
 
-/// On which side of the triangle's plane all samples surely lie, in f64. Terms are products of three integers below 2^31
-/// with at most eight roundings, relative to the sum over absolute values.
+/// On which side of the triangle's plane all samples surely lie, in f64.
 #[cfg(not(target_arch = "spirv"))]
 #[inline]
 fn long_side(light: &LatticeLight, [a, b, c]: [IVec3; 3]) -> Option<bool> {
-    let (e, f, d) = ((b - a).as_dvec3(), (c - a).as_dvec3(), (light.origin - a).as_dvec3());
-    let u = light.step_u.as_dvec3() * f64::from(light.columns - 1);
-    let v = light.step_v.as_dvec3() * f64::from(light.rows - 1);
-    let n = e.cross(f);
-    let (e, f) = (e.abs(), f.abs());
-    let permanent = glam::DVec3::new(e.y * f.z + e.z * f.y, e.z * f.x + e.x * f.z, e.x * f.y + e.y * f.x);
-    let doubt = 16.0 * f64::EPSILON * permanent.dot(d.abs() + u.abs() + v.abs());
-    let (at, along, across) = (n.dot(d), n.dot(u), n.dot(v));
-    let lowest = at + along.min(0.0) + across.min(0.0);
-    let highest = at + along.max(0.0) + across.max(0.0);
-    if lowest > doubt {
+    let (e, f, d) = (b - a, c - a, light.origin - a);
+    let (rows, columns) = ((light.rows - 1) as f32, (light.columns - 1) as f32);
+    let normal = <f64 as Real>::cross(e, f);
+    let at = <f64 as Real>::dot(&normal, d);
+    let along = <f64 as Real>::dot(&normal, light.step_u) * f64::from(columns);
+    let across = <f64 as Real>::dot(&normal, light.step_v) * f64::from(rows);
+    let extent = float(light.step_u).abs() * columns + float(light.step_v).abs() * rows;
+    // Twice the error of the terms: for their sum, and for the bound's own arithmetic.
+    let doubt = 2.0 * <f64 as Real>::SIDE_ERROR * cross_magnitudes(float(e), float(f)).dot(float(d).abs() + extent);
+    if at + along.min(0.0) + across.min(0.0) > f64::from(doubt) {
         Some(true)
-    } else if highest < -doubt {
+    } else if at + along.max(0.0) + across.max(0.0) < -f64::from(doubt) {
         Some(false)
     } else {
         None

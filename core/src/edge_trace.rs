@@ -33,7 +33,7 @@ use crate::{
     row_mask::{MASK_ROWS, MaskRows},
     silhouette::SilhouetteEdge,
     statistics::Tally,
-    view::{Corner, LEAST_HEIGHT, View},
+    view::{Corner, LEAST_HEIGHT, SPARE, View},
 };
 
 /// Edges that rise by less, in rows, have no usable slope.
@@ -265,7 +265,7 @@ fn cut_below<L: Lanes>(
     let end = [along[0].mul_add(steps, seen[0]), along[1].mul_add(steps, seen[1])];
     let sizes = upper[0].abs().max(upper[1].abs()).add(lower[0].abs().max(lower[1].abs()));
     let of_height = inverse.mul_add(L::splat(2.0 * lost_height), L::splat(12.0));
-    let errors = sizes.mul_add(of_height, L::splat(2.0 * lost)).mul(L::splat(1.125 * L::ROUNDOFF));
+    let errors = sizes.mul_add(of_height, L::splat(2.0 * lost)).mul(L::splat(SPARE * L::ROUNDOFF));
     let kept_inverse = L::select(first, a.inverse, b.inverse);
     replace(a, L::both(cut, L::not(first)), end, kept_inverse);
     replace(b, L::both(cut, first), end, kept_inverse);

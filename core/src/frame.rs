@@ -7,6 +7,8 @@
 
 use glam::{IVec3, Vec3};
 
+use crate::lanes::Lanes;
+
 #[cfg(not(target_arch = "spirv"))]
 use crate::{
     exact,
@@ -77,7 +79,7 @@ pub struct FramePoint {
 /// Relative error of a dot product of rounded axes and rounded differences, against the sum over absolute values:
 /// one rounding each for the axis and the difference, one for the product, two for the sums, with 2^-23 each for any
 /// rounding direction; and one more for the bound's own arithmetic, and one to spare.
-pub(crate) const DOT_ERROR: f32 = 7.0 * f32::EPSILON;
+const DOT_ERROR: f32 = 7.0 * f32::EPSILON;
 
 impl LightFrame {
     /// Computed on the host, in f64, and rounded once to f32.
@@ -99,17 +101,17 @@ impl LightFrame {
     #[inline]
     pub fn place(&self, p: IVec3) -> FramePoint {
         let d = p - self.origin;
-        let d = Vec3::new(d.x as f32, d.y as f32, d.z as f32);
-        let (a, error_a) = dot(self.along_u, d);
-        let (b, error_b) = dot(self.along_v, d);
-        let (w, error_w) = dot(self.normal, d);
+        let d = [d.x as f32, d.y as f32, d.z as f32];
+        let (a, error_a) = dot(self.along_u, &d);
+        let (b, error_b) = dot(self.along_v, &d);
+        let (w, error_w) = dot(self.normal, &d);
         FramePoint { a, b, w, error_a, error_b, error_w }
     }
 }
 
 /// A dot product and a bound on its error.
 #[inline(always)]
-fn dot(axis: Vec3, d: Vec3) -> (f32, f32) {
-    let (x, y, z) = (axis.x * d.x, axis.y * d.y, axis.z * d.z);
-    (x + y + z, DOT_ERROR * (x.abs() + y.abs() + z.abs()))
+pub(crate) fn dot<L: Lanes>(axis: Vec3, d: &[L; 3]) -> (L, L) {
+    let (x, y, z) = (d[0].mul(L::splat(axis.x)), d[1].mul(L::splat(axis.y)), d[2].mul(L::splat(axis.z)));
+    (x.add(y).add(z), x.abs().add(y.abs()).add(z.abs()).mul(L::splat(DOT_ERROR)))
 }

@@ -22,7 +22,7 @@
 use glam::IVec3;
 
 use crate::{
-    frame::{DOT_ERROR, FramePoint, LightFrame},
+    frame::{FramePoint, LightFrame, dot},
     lanes::{Lanes, TILE},
 };
 
@@ -122,13 +122,6 @@ impl NeedTile {
     /// Receivers that ask for nothing.
     pub const NOTHING: Self = Self([[f32::MIN; TILE]; KEYS]);
 
-    /// The keys of one receiver; `lane < TILE`.
-    #[inline(always)]
-    pub fn lane(&self, lane: usize) -> Keys {
-        let (k, l) = (&self.0, lane % TILE);
-        [k[0][l], k[1][l], k[2][l], k[3][l], k[4][l]]
-    }
-
     /// Sets one receiver; `lane < TILE`.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, keys: &Keys) {
@@ -213,29 +206,31 @@ pub fn covers(triangle: &Keys, receiver: &Keys) -> bool {
     covered
 }
 
-/// Division may be off by 2.5 ulp, a reciprocal and a product by 4; 2^-20 also covers the sum that made the dividend.
+/// A reciprocal and a product may be off by 4 ulp; 2^-20 also covers the sum that made the dividend.
 const SLACK: f32 = 8.0 * f32::EPSILON;
 
-/// An upper bound of `x/w` for x ≤ `x_high` and w in `w_low..=w_high`, `w_low > 0`.
+/// An upper bound of `x/w` for x ≤ `x_high` and w, above zero, between two bounds of which the reciprocals are given.
 #[inline(always)]
-fn quotient_above(x_high: f32, w_low: f32, w_high: f32) -> f32 {
-    let q = x_high / if x_high >= 0.0 { w_low } else { w_high };
-    q + q.abs() * SLACK
+fn quotient_above<L: Lanes>(x_high: L, inverse_low: L, inverse_high: L) -> L {
+    let q = x_high.mul(L::select(x_high.ge(L::splat(0.0)), inverse_low, inverse_high));
+    q.abs().mul_add(L::splat(SLACK), q)
 }
 
-/// A coordinate in a light's frame, and its error bound.
-#[inline(always)]
-fn place<L: Lanes>(axis: glam::Vec3, d: &[L; 3]) -> (L, L) {
-    let (x, y, z) = (d[0].mul(L::splat(axis.x)), d[1].mul(L::splat(axis.y)), d[2].mul(L::splat(axis.z)));
-    (x.add(y).add(z), x.abs().add(y.abs()).add(z.abs()).mul(L::splat(DOT_ERROR)))
-}
-
-/// A lower bound of `x/w` for x known to within `error` and w between two bounds whose reciprocals are given.
+/// A lower bound, of x known to within `error`.
 #[inline(always)]
 fn quotient_below<L: Lanes>(x: L, error: L, inverse_low: L, inverse_high: L) -> L {
-    let (zero, x_high) = (L::splat(0.0), error.sub(x));
-    let q = x_high.mul(L::select(x_high.ge(zero), inverse_low, inverse_high));
-    zero.sub(q.abs().mul_add(L::splat(SLACK), q))
+    L::splat(0.0).sub(quotient_above(error.sub(x), inverse_low, inverse_high))
+}
+
+/// How far a vertex may reach, seen from the first column, from the last, from the first row, from the last.
+#[inline(always)]
+fn reaches(frame: &LightFrame, q: &FramePoint) -> [f32; 4] {
+    [
+        q.a + q.error_a,
+        (frame.last_column - q.a) + (q.error_a + frame.last_column * f32::EPSILON),
+        q.b + q.error_b,
+        (frame.last_row - q.b) + (q.error_b + frame.last_row * f32::EPSILON),
+    ]
 }
 
 /// The keys of receivers, given by their differences from the light's first sample: rounded down. The receivers are in
@@ -243,8 +238,8 @@ fn quotient_below<L: Lanes>(x: L, error: L, inverse_low: L, inverse_high: L) -> 
 #[inline(always)]
 pub(crate) fn keys_of_receivers<L: Lanes>(frame: &LightFrame, d: &[L; 3]) -> [L; KEYS] {
     let (zero, touching) = (L::splat(0.0), L::splat(TOUCHING));
-    let ((a, error_a), (b, error_b)) = (place(frame.along_u, d), place(frame.along_v, d));
-    let (w, error_w) = place(frame.normal, d);
+    let ((a, error_a), (b, error_b)) = (dot(frame.along_u, d), dot(frame.along_v, d));
+    let (w, error_w) = dot(frame.normal, d);
     let (low, high) = (w.sub(error_w), w.add(error_w));
     let clear = low.ge(touching);
     let (inverse_low, inverse_high) = (low.max(touching).recip(), high.max(touching).recip());
@@ -287,12 +282,8 @@ pub fn triangle_keys(frame: &LightFrame, corners: &[IVec3; 3]) -> Option<Keys> {
     let mut v = 0;
     while v < 3 {
         let q = points[v];
-        let x = [
-            q.a + q.error_a,
-            (frame.last_column - q.a) + (q.error_a + frame.last_column * f32::EPSILON),
-            q.b + q.error_b,
-            (frame.last_row - q.b) + (q.error_b + frame.last_row * f32::EPSILON),
-        ];
+        let x = reaches(frame, &q);
+        let (inverse_low, inverse_high) = (Lanes::recip(Lanes::max(low(&q), TOUCHING)), Lanes::recip(high(&q)));
         let mut k = 0;
         while k < 4 {
             let slope = if touches && x[k] >= 0.0 {
@@ -301,7 +292,7 @@ pub fn triangle_keys(frame: &LightFrame, corners: &[IVec3; 3]) -> Option<Keys> {
                 // Behind, and outside on this side: towards the light plane the slopes fall without end.
                 f32::MIN
             } else {
-                quotient_above(x[k], Lanes::max(low(&q), TOUCHING), high(&q))
+                quotient_above(x[k], inverse_low, inverse_high)
             };
             out[k] = Lanes::max(out[k], slope);
             k += 1;
@@ -329,21 +320,10 @@ impl VertexKeys {
     pub fn new(frame: &LightFrame, p: IVec3) -> Self {
         let q = frame.place(p);
         let (low, high) = (q.w - q.error_w, q.w + q.error_w);
-        let far_a = q.error_a + frame.last_column * f32::EPSILON;
-        let far_b = q.error_b + frame.last_row * f32::EPSILON;
-        let above = |x: f32| quotient_above(x, Lanes::max(low, TOUCHING), high);
-        Self {
-            keys: [
-                above(q.a + q.error_a),
-                above((frame.last_column - q.a) + far_a),
-                above(q.b + q.error_b),
-                above((frame.last_row - q.b) + far_b),
-                -low,
-                above(q.error_a - q.a),
-                above(q.error_b - q.b),
-                0.0,
-            ],
-        }
+        let (inverse_low, inverse_high) = (Lanes::recip(Lanes::max(low, TOUCHING)), Lanes::recip(high));
+        let above = |x: f32| quotient_above(x, inverse_low, inverse_high);
+        let [a, last_a, b, last_b] = reaches(frame, &q).map(above);
+        Self { keys: [a, last_a, b, last_b, -low, above(q.error_a - q.a), above(q.error_b - q.b), 0.0] }
     }
 
     /// The keys of everything between vertices are the largest of theirs.

@@ -27,8 +27,6 @@ pub trait Real: Copy {
     fn dot(axis: &Axis<Self>, d: IVec3) -> Self;
     /// `e × f`
     fn cross(e: IVec3, f: IVec3) -> Axis<Self>;
-    /// `n = e × f` and `n·d`, rounded to f32, of N planes; all axis-major.
-    fn planes<const N: usize>(e: &[[i32; N]; 3], f: &[[i32; N]; 3], d: &[[i32; N]; 3]) -> ([[f32; N]; 3], [f32; N]);
     /// As [`Real::dot`], of four vectors, axis-major.
     fn dots(axis: &Axis<Self>, d: &[[i32; 4]; 3]) -> [f32; 4];
     /// `self − b·c`
@@ -76,27 +74,6 @@ macro_rules! real {
                     c += 1;
                 }
                 out
-            }
-            #[inline(always)]
-            fn planes<const N: usize>(
-                e: &[[i32; N]; 3],
-                f: &[[i32; N]; 3],
-                d: &[[i32; N]; 3],
-            ) -> ([[f32; N]; 3], [f32; N]) {
-                let (mut normals, mut values) = ([[0.0; N]; 3], [0.0; N]);
-                let mut k = 0;
-                while k < N {
-                    let e = [e[0][k] as Self, e[1][k] as Self, e[2][k] as Self];
-                    let f = [f[0][k] as Self, f[1][k] as Self, f[2][k] as Self];
-                    let d = [d[0][k] as Self, d[1][k] as Self, d[2][k] as Self];
-                    let (x, y, z) = (e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]);
-                    normals[0][k] = x as f32;
-                    normals[1][k] = y as f32;
-                    normals[2][k] = z as f32;
-                    values[k] = (x * d[0] + y * d[1] + z * d[2]) as f32;
-                    k += 1;
-                }
-                (normals, values)
             }
             #[inline(always)]
             fn minus(self, b: Self, c: Self) -> Self {

@@ -10,10 +10,10 @@
 //! normal's own error counts in both terms: it is relative to its magnitudes, which a sliver's normal is far below. So
 //! those are multiplied with `|a − b| + |p − b|`.
 
-use glam::IVec3;
+use glam::{IVec3, Vec3};
 
 use crate::{
-    edge_plane::{Occluder, ReceiverTile},
+    edge_plane::{Occluder, ReceiverTile, cross_magnitudes, float},
     exact::{self, Wide},
     lanes::{Lanes, TILE},
     precision::PrecisionMode,
@@ -82,31 +82,26 @@ impl<const N: usize> Planes<N> {
         f: &[[i32; N]; 3],
         d: &[[i32; N]; 3],
     ) -> Self {
-        let (normals, at_base) = L::Long::planes(e, f, d);
-        let mut doubt = [0.0; N];
-        if P::CERTIFIED {
-            let limit = view.offset_limit;
-            let mut k = 0;
-            while k < N {
-                let (ex, ey, ez) = (magnitude(e[0][k]), magnitude(e[1][k]), magnitude(e[2][k]));
-                let (fx, fy, fz) = (magnitude(f[0][k]), magnitude(f[1][k]), magnitude(f[2][k]));
-                let (dx, dy, dz) = (magnitude(d[0][k]), magnitude(d[1][k]), magnitude(d[2][k]));
+        let (mut normals, mut at_base, mut doubt) = ([[0.0; N]; 3], [0.0; N], [0.0; N]);
+        let mut k = 0;
+        while k < N {
+            let (e, f, d) = (vector(e, k), vector(f, k), vector(d, k));
+            let normal = L::Long::cross(e, f);
+            at_base[k] = L::Long::dot(&normal, d).to_f32();
+            let normal = Vec3::new(normal[0].to_f32(), normal[1].to_f32(), normal[2].to_f32());
+            (normals[0][k], normals[1][k], normals[2][k]) = (normal.x, normal.y, normal.z);
+            if P::CERTIFIED {
+                let (e, f, d) = (float(e), float(f), float(d).abs() + view.offset_limit);
                 let lost = if L::Long::DOT_ERRORS > 0.0 {
-                    (ey * fz + ez * fy) * (dx + limit.x)
-                        + (ez * fx + ex * fz) * (dy + limit.y)
-                        + (ex * fy + ey * fx) * (dz + limit.z)
+                    cross_magnitudes(e, f).dot(d)
                 } else {
                     // Six products of the largest: of little consequence in a long float.
-                    let (e, f) = (Lanes::max(ex, Lanes::max(ey, ez)), Lanes::max(fx, Lanes::max(fy, fz)));
-                    6.0 * e * f * (Lanes::max(dx, Lanes::max(dy, dz)) + limit.max_element())
+                    6.0 * e.abs().max_element() * f.abs().max_element() * d.max_element()
                 };
-                let offset = Lanes::abs(normals[0][k]) * limit.x
-                    + Lanes::abs(normals[1][k]) * limit.y
-                    + Lanes::abs(normals[2][k]) * limit.z;
-                let near = 7.0 * offset + 3.0 * Lanes::abs(at_base[k]);
+                let near = 7.0 * normal.abs().dot(view.offset_limit) + 3.0 * Lanes::abs(at_base[k]);
                 doubt[k] = L::Long::SIDE_ERROR * lost + near * L::ROUNDOFF;
-                k += 1;
             }
+            k += 1;
         }
         Self { normals, at_base, doubt }
     }
@@ -139,6 +134,6 @@ fn single(v: IVec3) -> [[i32; 1]; 3] {
 }
 
 #[inline(always)]
-fn magnitude(x: i32) -> f32 {
-    Lanes::abs(x as f32)
+fn vector<const N: usize>(axes: &[[i32; N]; 3], k: usize) -> IVec3 {
+    IVec3::new(axes[0][k], axes[1][k], axes[2][k])
 }

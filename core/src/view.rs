@@ -14,7 +14,7 @@ use crate::{
 pub(crate) const LEAST_HEIGHT: f32 = 1.0 / 1024.0;
 
 /// Second-order terms, and the bound's own arithmetic.
-const SPARE: f32 = 1.125;
+pub(crate) const SPARE: f32 = 1.125;
 
 /// Sixteen receivers in the light's sheared frame.
 #[derive(Clone, Copy, Debug)]

@@ -3,6 +3,7 @@
 
 mod executor;
 mod grid;
+mod hierarchy;
 mod masks;
 mod order;
 mod run;

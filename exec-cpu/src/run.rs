@@ -11,7 +11,6 @@ use umbra4_core::{
     proj4::{KeyTile, Keys, NODE, NOTHING, VertexKeys},
     stage::{
         Stage,
-        build_level::build_level,
         key_receivers::key_receivers,
         key_triangles::key_between,
         resolve::{Group, Occlusion},
@@ -23,6 +22,7 @@ use crate::{
     ExecutorError, Index, Isa, Occluders, Receivers, Statistics,
     executor::Answer,
     grid::{Cells, CellsInput},
+    hierarchy::build_level_of,
     order::ordered,
     silhouette::{Found, Silhouette},
     word::CpuWord,
@@ -141,12 +141,7 @@ impl<'a, W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, V> {
     }
 
     fn build_level(&mut self, level: usize) {
-        let levels = self.how.plan.levels();
-        let (below, above) = self.nodes.split_at_mut(levels.range(level).start);
-        let below = &below[levels.range(level - 1)];
-        for (id, tile) in above.iter_mut().take(levels.range(level).len()).enumerate() {
-            *tile = build_level(id, below);
-        }
+        build_level_of(self.how.plan.levels(), &mut self.nodes, level);
     }
 
     fn key_receivers(&mut self, first: usize, count: usize) {

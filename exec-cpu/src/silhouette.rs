@@ -11,59 +11,20 @@ use umbra4_core::{
     proj4::{KeyTile, Keys, NODE, NOTHING, VertexKeys, triangle_keys},
     silhouette::{SilhouetteEdge, direction},
     stage::{
-        build_level::build_level,
         resolve::Occlusion,
         resolve_silhouette::{Indexed, SilhouetteScene},
     },
 };
 
-use crate::{Occluders, order::ordered};
+use crate::{
+    Occluders,
+    hierarchy::{Hierarchy, build_levels},
+    order::ordered,
+};
 
 /// Triangles for an edge of the silhouette, from which on it is worth its while: depths are counted besides, and mixed
 /// triangles rasterised.
 const WORTHWHILE: usize = 4;
-
-/// Things under a hierarchy.
-struct Hierarchy<T> {
-    levels: Levels,
-    nodes: Vec<KeyTile>,
-    things: Vec<T>,
-}
-
-impl<T> Hierarchy<T> {
-    /// Of things in the order in which they are packed, with their keys.
-    fn new(packed: impl Iterator<Item = (T, Keys)>) -> Self {
-        let (mut things, mut nodes) = (Vec::new(), Vec::new());
-        for (thing, keys) in packed {
-            if things.len() % NODE == 0 {
-                nodes.push(KeyTile::NOTHING);
-            }
-            if let Some(tile) = nodes.last_mut() {
-                tile.set(things.len() % NODE, &keys);
-            }
-            things.push(thing);
-        }
-        let levels = Levels::of(things.len() as u32);
-        nodes.resize(levels.tiles(), KeyTile::NOTHING);
-        build_levels(&levels, &mut nodes);
-        Self { levels, nodes, things }
-    }
-
-    fn indexed(&self) -> Indexed<'_, T> {
-        Indexed { levels: &self.levels, nodes: &self.nodes, things: &self.things }
-    }
-}
-
-/// All levels above the lowest.
-fn build_levels(levels: &Levels, nodes: &mut [KeyTile]) {
-    for level in 1..levels.count() {
-        let (below, above) = nodes.split_at_mut(levels.range(level).start);
-        let below = &below[levels.range(level - 1)];
-        for (id, tile) in above.iter_mut().take(levels.range(level).len()).enumerate() {
-            *tile = build_level(id, below);
-        }
-    }
-}
 
 /// The triangles of a scene, sorted by what they are to one light, and the silhouette.
 pub(crate) struct Silhouette {

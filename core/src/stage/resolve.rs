@@ -206,7 +206,7 @@ pub(crate) fn descend<L: Lanes, W: MaskWord, P: PrecisionMode>(
 
 /// Receivers whose mask is full take no further part. Looked at once a tile of triangles: it costs as much as a pair.
 #[inline(always)]
-pub(crate) fn drop_full<W: MaskWord>(columns: u32, group: &mut Group<W>) {
+fn drop_full<W: MaskWord>(columns: u32, group: &mut Group<W>) {
     let mut touched = core::mem::take(&mut group.touched) & group.active;
     while touched != 0 {
         let lane = touched.trailing_zeros() as usize % TILE;

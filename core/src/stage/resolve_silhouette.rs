@@ -103,12 +103,12 @@ fn facing<L: Lanes, W: MaskWord, P: PrecisionMode>(
         return 0;
     }
     let view = View::new::<L, P>(grid, &group.receivers, group.active);
-    let mut lanes = Lanes16 { wanted: group.active, crossed: 0, lost: 0, most: [0; TILE] };
+    let mut lanes = Known { crossed: 0, lost: 0, most: [0; TILE] };
     add_edges::<L, W, P>(scene, &view, &mut edges, &edge_need, &mut lanes, group, room);
 
     // Whoever sees no edge needs to know only whether anything is before the sample.
     let mut counts = [0_u32; TILE];
-    let mut wanted = lanes.wanted & !lanes.lost;
+    let mut wanted = group.active & !lanes.lost;
     while let Some((tile, mut bits)) = triangles.next::<L>(scene.facing.nodes, &need) {
         let Some(keys) = scene.facing.nodes.get(tile as usize) else { break };
         while bits != 0 {
@@ -138,7 +138,7 @@ fn facing<L: Lanes, W: MaskWord, P: PrecisionMode>(
         if lanes.crossed >> lane & 1 == 1 && counts[lane] + lanes.most[lane] > MOST_DEPTH {
             lanes.lost |= 1 << lane;
         }
-        if (lanes.wanted & !lanes.lost) >> lane & 1 == 1 {
+        if (group.active & !lanes.lost) >> lane & 1 == 1 {
             if lanes.crossed >> lane & 1 == 1 {
                 let light = &grid.light;
                 room.depths[lane].flush(counts[lane], light.rows, light.columns, &mut group.masks[lane]);
@@ -153,8 +153,7 @@ fn facing<L: Lanes, W: MaskWord, P: PrecisionMode>(
 }
 
 /// What is known of the lanes of a group.
-struct Lanes16 {
-    wanted: u32,
+struct Known {
     /// Some edge adds to its depths.
     crossed: u32,
     lost: u32,
@@ -169,7 +168,7 @@ fn add_edges<L: Lanes, W: MaskWord, P: PrecisionMode>(
     view: &View<L::Long>,
     edges: &mut Walk,
     need: &Keys,
-    lanes: &mut Lanes16,
+    lanes: &mut Known,
     group: &mut Group<W>,
     room: &mut SilhouetteRoom<W>,
 ) {
@@ -179,7 +178,7 @@ fn add_edges<L: Lanes, W: MaskWord, P: PrecisionMode>(
         while bits != 0 {
             let entry = bits.trailing_zeros() as usize;
             bits &= bits - 1;
-            let wanted = lanes.wanted & !lanes.lost;
+            let wanted = group.active & !lanes.lost;
             group.counts.edges_tested += Tally::from(wanted.count_ones());
             let kept = group.needs.dominated_by::<L>(&keys.entry(entry)) & wanted;
             let Some(edge) = scene.edges.things.get(tile as usize * NODE + entry) else { return };
@@ -206,7 +205,7 @@ fn add_edges<L: Lanes, W: MaskWord, P: PrecisionMode>(
                 }
             }
         }
-        if lanes.wanted & !lanes.lost == 0 {
+        if group.active & !lanes.lost == 0 {
             return;
         }
     }

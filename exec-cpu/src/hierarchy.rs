@@ -1,0 +1,54 @@
+//! Hierarchies in memory: things packed under nodes, and the levels above them.
+
+use umbra4_core::{
+    hierarchy::Levels,
+    proj4::{KeyTile, Keys, NODE},
+    stage::{build_level::build_level, resolve_silhouette::Indexed},
+};
+
+/// Things under a hierarchy.
+pub(crate) struct Hierarchy<T> {
+    levels: Levels,
+    nodes: Vec<KeyTile>,
+    things: Vec<T>,
+}
+
+impl<T> Hierarchy<T> {
+    /// Of things in the order in which they are packed, with their keys.
+    pub(crate) fn new(packed: impl Iterator<Item = (T, Keys)>) -> Self {
+        let (mut things, mut nodes) = (Vec::new(), Vec::new());
+        for (thing, keys) in packed {
+            if things.len() % NODE == 0 {
+                nodes.push(KeyTile::NOTHING);
+            }
+            if let Some(tile) = nodes.last_mut() {
+                tile.set(things.len() % NODE, &keys);
+            }
+            things.push(thing);
+        }
+        let levels = Levels::of(things.len() as u32);
+        nodes.resize(levels.tiles(), KeyTile::NOTHING);
+        build_levels(&levels, &mut nodes);
+        Self { levels, nodes, things }
+    }
+
+    pub(crate) fn indexed(&self) -> Indexed<'_, T> {
+        Indexed { levels: &self.levels, nodes: &self.nodes, things: &self.things }
+    }
+}
+
+/// One level, from the one below it.
+pub(crate) fn build_level_of(levels: &Levels, nodes: &mut [KeyTile], level: usize) {
+    let (below, above) = nodes.split_at_mut(levels.range(level).start);
+    let below = &below[levels.range(level - 1)];
+    for (id, tile) in above.iter_mut().take(levels.range(level).len()).enumerate() {
+        *tile = build_level(id, below);
+    }
+}
+
+/// All levels above the lowest.
+pub(crate) fn build_levels(levels: &Levels, nodes: &mut [KeyTile]) {
+    for level in 1..levels.count() {
+        build_level_of(levels, nodes, level);
+    }
+}
