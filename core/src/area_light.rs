@@ -5,6 +5,7 @@ use thiserror::Error;
 
 use crate::{
     exact::{self, Wide, WideInt},
+    jitter::Jitter,
     lattice::{Lattice, round_f64},
     light::{LatticeLight, MAX_SAMPLES},
     snap::LIMIT,
@@ -13,6 +14,8 @@ use crate::{
 
 /// Shortest step between samples, in lattice units: below it the rounding of steps would be visible.
 pub const MIN_STEP: i32 = 64;
+/// The same between places of jittered samples.
+pub const MIN_PLACE_STEP: i32 = 32;
 
 /// Why a light is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
@@ -45,7 +48,7 @@ pub enum LightError {
     },
     /// The samples lie closer together than the lattice can tell apart.
     #[error(
-        "the light is too fine for the lattice: samples along {field} are {step:.1} lattice units apart, at least 64 are \
+        "the light is too fine for the lattice: samples along {field} are {step:.1} lattice units apart, at least {least} are \
          needed; bounds of at most {largest_bounds:e} around the lattice origin would do"
     )]
     LightTooFine {
@@ -53,6 +56,8 @@ pub enum LightError {
         field: &'static str,
         /// Distance of neighbouring samples along the longest axis, lattice units.
         step: f64,
+        /// The least distance: [`MIN_STEP`], or, of jittered samples, [`MIN_PLACE_STEP`] for each of their places.
+        least: i32,
         /// Largest coordinate for which the lattice would be fine enough, world units.
         largest_bounds: f64,
     },
@@ -70,9 +75,9 @@ pub enum LightError {
     },
 }
 
-/// A one-sided rectangular (or parallelogram) light in world space, with a regular grid of samples.
+/// A one-sided rectangular (or parallelogram) light in world space, with a grid of cells that have a sample each.
 ///
-/// Sample (i, j) sits at `corner + edge_u·(j+½)/columns + edge_v·(i+½)/rows`.
+/// Sample (i, j) sits at `corner + edge_u·(j+½)/columns + edge_v·(i+½)/rows`, or, with jitter, elsewhere in that cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AreaLight {
     corner: DVec3,
@@ -80,6 +85,7 @@ pub struct AreaLight {
     edge_v: DVec3,
     rows: u32,
     columns: u32,
+    jitter: Jitter,
 }
 
 impl AreaLight {
@@ -105,7 +111,29 @@ impl AreaLight {
         if u.cross(v) == DVec3::ZERO {
             return Err(LightError::NoArea { edge_u, edge_v });
         }
-        Ok(Self { corner, edge_u, edge_v, rows, columns })
+        Ok(Self { corner, edge_u, edge_v, rows, columns, jitter: Jitter::NONE })
+    }
+
+    /// The same light, its samples jittered.
+    ///
+    /// ```
+    /// use umbra4_core::{AreaLight, Bounds, Jitter, Lattice, Lift, glam::DVec3};
+    /// let light = AreaLight::new(DVec3::new(-0.5, 3.0, -0.5), DVec3::X, DVec3::Z, 16, 16)?;
+    /// let lattice = Lattice::covering(Bounds { min: DVec3::splat(-4.0), max: DVec3::splat(4.0) })?;
+    /// let regular = light.snap(&lattice, Lift::NONE)?;
+    /// let frame = 7; // another pattern every frame
+    /// let jittered = light.with_jitter(Jitter::pattern(frame)).snap(&lattice, Lift::NONE)?;
+    /// assert_ne!(jittered.sample(3, 5), regular.sample(3, 5));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn with_jitter(self, jitter: Jitter) -> Self {
+        Self { jitter, ..self }
+    }
+
+    /// How samples are jittered.
+    pub fn jitter(&self) -> Jitter {
+        self.jitter
     }
 
     /// Rows of samples, along `edge_v`.
@@ -133,41 +161,45 @@ impl AreaLight {
     /// `lift` moves the samples off a surface that the light is flush with ([`Lift::NONE`] leaves them where they are).
     ///
     /// # Errors
-    /// Steps under [`MIN_STEP`] lattice units; samples outside the lattice; edges that become parallel.
+    /// Steps under [`MIN_STEP`] lattice units, or those between places under [`MIN_PLACE_STEP`]; samples outside the lattice; edges that become parallel.
     pub fn snap(&self, lattice: &Lattice, lift: Lift) -> Result<LatticeLight, LightError> {
         let scale = 1.0 / lattice.step();
         let mut steps = [IVec3::ZERO; 2];
+        let places = 1 << self.jitter.place_bits();
+        let least = if self.jitter.is_some() { MIN_PLACE_STEP * places } else { MIN_STEP };
         for (out, (field, edge, count)) in
             steps.iter_mut().zip([("edge_u", self.edge_u, self.columns), ("edge_v", self.edge_v, self.rows)])
         {
             let step = edge / f64::from(count) * scale;
             let length = step.abs().max_element();
-            if length < f64::from(MIN_STEP) {
-                let largest_bounds = lattice.reach_of_finer(f64::from(MIN_STEP) / length);
-                return Err(LightError::LightTooFine { field, step: length, largest_bounds });
+            if length < f64::from(least) {
+                let largest_bounds = lattice.reach_of_finer(f64::from(least) / length);
+                return Err(LightError::LightTooFine { field, step: length, least, largest_bounds });
             }
             if length >= 2.0 * f64::from(LIMIT) {
                 return Err(self.out_of_range(0, 0));
             }
-            *out = IVec3::new(round_f64(step.x), round_f64(step.y), round_f64(step.z));
+            let place = step / f64::from(places);
+            *out = IVec3::new(round_f64(place.x), round_f64(place.y), round_f64(place.z)) * places;
         }
         let [step_u, step_v] = steps;
-        let half =
-            (step_u.as_dvec3() * f64::from(self.columns - 1) + step_v.as_dvec3() * f64::from(self.rows - 1)) * 0.5;
+        let (rows, columns, jitter) = (self.rows, self.columns, self.jitter);
+        let light = LatticeLight { origin: IVec3::ZERO, step_u, step_v, rows, columns, jitter };
+        let (last_row, last_column) = (f64::from(light.last_row()), f64::from(light.last_column()));
+        let half = (step_u.as_dvec3() * last_column + step_v.as_dvec3() * last_row) * 0.5;
         let origin = (self.center() - lattice.origin()) * scale - half;
-        // The steps' own rounding moves an outer sample by up to ¼ unit a step, on each axis.
-        let lift = lift.with_error(0.25 * f64::from(self.rows + self.columns - 2) + 0.5);
+        // The steps' own rounding moves an outer sample by up to ¼ unit a step between places, on each axis.
+        let lift = lift.with_error(0.25 * f64::from(places) * (last_row + last_column) + 0.5);
         let limit = f64::from(LIMIT) - 1.0 - f64::from(lift.steps());
-        for row in [0, self.rows - 1] {
-            for column in [0, self.columns - 1] {
-                let sample = origin + step_u.as_dvec3() * f64::from(column) + step_v.as_dvec3() * f64::from(row);
+        for (row, i) in [(0, 0.0), (rows - 1, last_row)] {
+            for (column, j) in [(0, 0.0), (columns - 1, last_column)] {
+                let sample = origin + step_u.as_dvec3() * j + step_v.as_dvec3() * i;
                 if sample.abs().max_element() >= limit {
                     return Err(self.out_of_range(row, column));
                 }
             }
         }
         let origin = IVec3::new(round_f64(origin.x), round_f64(origin.y), round_f64(origin.z));
-        let light = LatticeLight { origin, step_u, step_v, rows: self.rows, columns: self.columns };
         let normal = exact::cross::<Wide>(step_u, step_v).components();
         if normal.iter().all(|n| n.sign() == 0) {
             return Err(LightError::NoArea { edge_u: self.edge_u, edge_v: self.edge_v });

@@ -5,6 +5,7 @@
 use crate::{
     doubt::{PairForms, PairIntegers},
     edge_plane::Lines,
+    jitter::Regular,
     lanes::{Lanes, TILE},
     mask_word::MaskWord,
     precision::PrecisionMode,
@@ -81,7 +82,7 @@ fn settle_bits<W: MaskWord, const E: usize>(
     let mut relevant = false;
     let mut row = 0;
     while row < pair.light.rows as usize {
-        let found = forms.settle(lines, E, lane, pair, row, doubtful[row].without(mask[row]));
+        let found = forms.settle(lines, &Regular, E, lane, pair, row, doubtful[row].without(mask[row]));
         relevant |= found != W::EMPTY;
         mask[row] = mask[row].or(found);
         row += 1;

@@ -5,6 +5,7 @@ use glam::IVec3;
 use crate::{
     edge_plane::{Occluder, ReceiverTile},
     exact::{self, GridForm, Wide},
+    jitter::{Place, Samples},
     light::LatticeLight,
     mask_word::MaskWord,
     statistics::Tally,
@@ -14,7 +15,7 @@ use crate::{
 #[derive(Clone, Copy, Debug)]
 #[cfg_attr(target_arch = "spirv", repr(C, align(16)))]
 pub struct PairIntegers {
-    /// The light.
+    /// The light; where its samples are jittered, that of all places.
     pub light: LatticeLight,
     /// The receiver.
     pub receiver: IVec3,
@@ -27,8 +28,9 @@ pub struct PairIntegers {
 impl PairIntegers {
     /// Of one lane's receiver.
     #[inline(always)]
-    pub fn new(light: &LatticeLight, receivers: &ReceiverTile, occluder: &Occluder, lane: usize) -> Self {
-        Self { light: *light, receiver: receivers.point(lane), corners: occluder.corners(), fallbacks: 0 }
+    pub fn new<S: Samples>(light: &LatticeLight, receivers: &ReceiverTile, occluder: &Occluder, lane: usize) -> Self {
+        let light = if S::JITTERED { light.fine() } else { *light };
+        Self { light, receiver: receivers.point(lane), corners: occluder.corners(), fallbacks: 0 }
     }
 }
 
@@ -49,9 +51,10 @@ impl PairForms {
     /// Those of the columns in `left` of which the triangle blocks the sample. It has `planes` planes: the edges', and its own
     /// where that meets the light.
     #[inline(always)]
-    pub(crate) fn settle<W: MaskWord, M: Margins>(
+    pub(crate) fn settle<W: MaskWord, S: Samples, M: Margins>(
         &mut self,
         margins: &M,
+        samples: &S,
         planes: usize,
         lane: usize,
         pair: &mut PairIntegers,
@@ -63,7 +66,7 @@ impl PairForms {
             let column = left.lowest();
             let bit = W::span(column, column + 1);
             left = left.without(bit);
-            if self.blocks(margins, planes, lane, pair, row, column) {
+            if self.blocks(margins, planes, lane, pair, &samples.place(row, column as usize)) {
                 found = found.or(bit);
             }
         }
@@ -78,19 +81,18 @@ impl PairForms {
         planes: usize,
         lane: usize,
         pair: &mut PairIntegers,
-        row: usize,
-        column: u32,
+        place: &Place,
     ) -> bool {
         let side = if margins.flipped(lane) { -1 } else { 1 };
         let mut k = 0;
         while k < planes {
-            let (inside, doubt) = margins.margin(k, lane, row as f32, column as f32);
+            let (inside, doubt) = margins.margin(k, lane, place.row, place.column);
             if inside < -doubt {
                 return false;
             }
             if inside <= doubt {
                 pair.fallbacks += 1;
-                let sign = self.form(k, pair).sign_at(row as i32, column as i32) * side;
+                let sign = self.form(k, pair).sign_at(place.fine_row, place.fine_column) * side;
                 // Edges are closed; the triangle's own plane blocks strictly.
                 if sign < 0 || (k == 3 && sign == 0) {
                     return false;

@@ -27,6 +27,7 @@ use crate::{
     doubt::Margins,
     exact::{self, Wide},
     frame::LightFrame,
+    jittered_rows::Limits,
     lanes::{Lanes, TILE},
     light::LatticeLight,
     precision::PrecisionMode,
@@ -75,7 +76,7 @@ impl LightGrid {
     #[inline(always)]
     pub fn from_frame(light: LatticeLight, frame: LightFrame, skew: f32) -> Self {
         let (step_u, step_v) = (float(light.step_u), float(light.step_v));
-        let (last_row, last_column) = ((light.rows - 1) as f32, (light.columns - 1) as f32);
+        let (last_row, last_column) = (light.last_row(), light.last_column());
         let extent = step_v.abs() * last_row + step_u.abs() * last_column;
         Self {
             step_u,
@@ -126,8 +127,9 @@ impl Occluder {
             let [a, b, c] = corners;
             return Some(Self::new(if side { [a, b, c] } else { [a, c, b] }, false));
         }
-        let form = exact::triangle_form::<Wide>(*light, corners);
-        let (row, column) = (light.rows as i32 - 1, light.columns as i32 - 1);
+        let fine = light.fine();
+        let form = exact::triangle_form::<Wide>(fine, corners);
+        let (row, column) = (fine.rows as i32 - 1, fine.columns as i32 - 1);
         let signs = [form.sign_at(0, 0), form.sign_at(0, column), form.sign_at(row, 0), form.sign_at(row, column)];
         // The form is linear: its extremes over the grid are at the corners.
         let (mut lowest, mut highest) = (1, -1);
@@ -189,7 +191,7 @@ impl Occluder {
 #[inline]
 fn long_side(light: &LatticeLight, [a, b, c]: [IVec3; 3]) -> Option<bool> {
     let (e, f, d) = (b - a, c - a, light.origin - a);
-    let (rows, columns) = ((light.rows - 1) as f32, (light.columns - 1) as f32);
+    let (rows, columns) = (light.last_row(), light.last_column());
     let normal = <f64 as Real>::cross(e, f);
     let at = <f64 as Real>::dot(&normal, d);
     let along = <f64 as Real>::dot(&normal, light.step_u) * f64::from(columns);
@@ -286,6 +288,29 @@ impl<const E: usize> Margins for Lines<E> {
     #[inline(always)]
     fn flipped(&self, lane: usize) -> bool {
         self.flipped >> lane & 1 == 1
+    }
+}
+
+impl<const E: usize> Limits for Lines<E> {
+    #[inline(always)]
+    fn limit(&self, k: usize, lane: usize) -> (f32, f32) {
+        let (start, doubt) = (self.start[k][lane], self.doubt[k][lane]);
+        (self.slope[k][lane], if self.is_lower(k, lane) { start + doubt } else { start - doubt })
+    }
+
+    #[inline(always)]
+    fn is_lower(&self, k: usize, lane: usize) -> bool {
+        self.lower[k] >> lane & 1 == 1
+    }
+
+    #[inline(always)]
+    fn beyond<P: PrecisionMode>(&self, planes: usize, lane: usize) -> f32 {
+        let (mut most, mut k) = (0.0, 0);
+        while P::CERTIFIED && k < planes {
+            most = Lanes::max(most, self.doubt[k][lane]);
+            k += 1;
+        }
+        2.0 * most
     }
 }
 

@@ -12,6 +12,8 @@
 
 use glam::IVec3;
 
+#[cfg(not(target_arch = "spirv"))]
+use crate::jitter::{Pattern, Samples};
 use crate::light::LatticeLight;
 pub use crate::wide::{Wide, WideInt};
 
@@ -105,13 +107,25 @@ pub fn behind_light<W: WideInt>(light: &LatticeLight, p: IVec3) -> bool {
 }
 
 /// Whether the triangle blocks sample (`row`, `column`) from `p`: the rule as it stands above, one bit at a time.
+#[cfg(not(target_arch = "spirv"))]
 pub fn blocks<W: WideInt>(light: &LatticeLight, p: IVec3, triangle: [IVec3; 3], row: u32, column: u32) -> bool {
     let [a, b, c] = triangle;
-    let (row, column) = (row as i32, column as i32);
+    let fine = light.fine();
+    let (row, column) = place(light, row, column);
     let side = far_side::<W>(p, triangle);
     side != 0
-        && triangle_form::<W>(*light, triangle).sign_at(row, column) == side
-        && edge_form::<W>(*light, p, a, b).sign_at(row, column) * side >= 0
-        && edge_form::<W>(*light, p, b, c).sign_at(row, column) * side >= 0
-        && edge_form::<W>(*light, p, c, a).sign_at(row, column) * side >= 0
+        && triangle_form::<W>(fine, triangle).sign_at(row, column) == side
+        && edge_form::<W>(fine, p, a, b).sign_at(row, column) * side >= 0
+        && edge_form::<W>(fine, p, b, c).sign_at(row, column) * side >= 0
+        && edge_form::<W>(fine, p, c, a).sign_at(row, column) * side >= 0
+}
+
+/// Row and column of a sample among the places of the light.
+#[cfg(not(target_arch = "spirv"))]
+fn place(light: &LatticeLight, row: u32, column: u32) -> (i32, i32) {
+    if !light.jitter.is_some() {
+        return (row as i32, column as i32);
+    }
+    let place = Pattern::of(light).place(row as usize, column as usize);
+    (place.fine_row, place.fine_column)
 }

@@ -91,8 +91,8 @@ impl LightFrame {
             along_u: along_u.as_vec3(),
             along_v: along_v.as_vec3(),
             normal: unit.as_vec3(),
-            last_column: (light.columns - 1) as f32,
-            last_row: (light.rows - 1) as f32,
+            last_column: light.last_column(),
+            last_row: light.last_row(),
             scale: [light.step_u.as_dvec3().length() as f32, light.step_v.as_dvec3().length() as f32],
         }
     }

@@ -4,7 +4,10 @@
 //! Data that lanes walk over is stored in tiles of [`TILE`] values. A vector of [`Lanes::WIDTH`] lanes covers the lanes
 //! `first..first + WIDTH` of a tile.
 
-use crate::real::{Axis, Real};
+use crate::{
+    light::MAX_SAMPLES,
+    real::{Axis, Real},
+};
 
 /// Receivers of a group, and rows of a chunk: they come in tiles of this many. On a GPU a thread has one of each.
 #[cfg(not(target_arch = "spirv"))]
@@ -12,6 +15,9 @@ pub const TILE: usize = 16;
 /// Receivers of a group, and rows of a chunk: they come in tiles of this many. On a GPU a thread has one of each.
 #[cfg(target_arch = "spirv")]
 pub const TILE: usize = 1;
+
+/// A value for every row, or for every column, of a light: lane-major tiles.
+pub type Table = [[f32; TILE]; MAX_SAMPLES as usize / TILE];
 
 /// A vector of f32 lanes with the masks and integers that go with it.
 ///
@@ -90,6 +96,8 @@ pub trait Lanes: Copy {
     fn integer_beside(below: Self, above: Self, by: Self) -> u32 {
         below.integer_below(by) | above.integer_above(by)
     }
+    /// Entries of a table; places modulo its length.
+    fn lookup(table: &Table, places: Self::Ints) -> Self;
     /// The largest lane.
     fn largest(self) -> f32;
     /// Bit l is set where `a < b` in lane l.
@@ -223,6 +231,10 @@ impl Lanes for f32 {
     #[inline(always)]
     fn integer_above(self, by: Self) -> u32 {
         (Lanes::ceil(self) as f32 - self <= by) as u32
+    }
+    #[inline(always)]
+    fn lookup(table: &Table, place: i32) -> Self {
+        table[place as usize / TILE % table.len()][place as usize % TILE]
     }
     #[inline(always)]
     fn largest(self) -> f32 {
@@ -379,6 +391,10 @@ impl Lanes for Sixteen {
     #[inline(always)]
     fn integer_above(self, by: Self) -> u32 {
         Self::bits(each!(k => Lanes::integer_above(self.0[k], by.0[k]) == 1))
+    }
+    #[inline(always)]
+    fn lookup(table: &Table, places: Self::Ints) -> Self {
+        Self(each!(k => <f32 as Lanes>::lookup(table, places[k])))
     }
     #[inline(always)]
     fn largest(self) -> f32 {

@@ -16,6 +16,8 @@ pub mod frame;
 pub mod gbuffer;
 pub mod half;
 pub mod hierarchy;
+pub mod jitter;
+pub mod jittered_rows;
 pub mod kernel;
 pub mod lanes;
 pub mod light;
@@ -61,6 +63,7 @@ pub mod silhouette;
 
 pub use glam;
 
+pub use jitter::Jitter;
 pub use lanes::Lanes;
 pub use light::LatticeLight;
 pub use mask_word::{MaskWord, PairWord};

@@ -13,6 +13,8 @@ pub trait MaskWord: Copy + Eq + Default + Send + Sync + bytemuck::Pod + core::fm
     const ALL: Self;
     /// The word whose bits `0..end` are set; `end` in `0..=BITS`.
     fn below(end: u32) -> Self;
+    /// The word whose columns from `first` on are the lowest of `bits`; `first < BITS`.
+    fn columns(first: u32, bits: u32) -> Self;
     /// Bits in either word.
     fn or(self, other: Self) -> Self;
     /// Bits in both words.
@@ -48,6 +50,11 @@ macro_rules! mask_word {
             fn below(end: u32) -> Self {
                 let bits = if end < Self::BITS { (1 as $word).wrapping_shl(end) } else { 0 };
                 bits.wrapping_sub(1)
+            }
+
+            #[inline(always)]
+            fn columns(first: u32, bits: u32) -> Self {
+                (bits as $word).wrapping_shl(first)
             }
 
             #[inline(always)]
@@ -111,6 +118,12 @@ impl MaskWord for PairWord {
     fn below(end: u32) -> Self {
         let low = if end < 32 { end } else { 32 };
         Self { low: u32::below(low), high: u32::below(end - low) }
+    }
+
+    #[inline(always)]
+    fn columns(first: u32, bits: u32) -> Self {
+        let (shifted, carried) = (bits.wrapping_shl(first), bits.wrapping_shr(1).wrapping_shr(31 - (first & 31)));
+        if first < 32 { Self { low: shifted, high: carried } } else { Self { low: 0, high: shifted } }
     }
 
     #[inline(always)]

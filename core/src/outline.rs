@@ -43,10 +43,12 @@
 use crate::{
     doubt::Margins,
     edge_plane::{LightGrid, Lines, Occluder},
+    jitter::{LAST_PLACE, Samples},
+    jittered_rows::Limits,
     lanes::{Lanes, TILE},
     light::LatticeLight,
     precision::PrecisionMode,
-    trace::{Crossing, FLAT, MOST_PLANE_DOUBT, OwnSide, Side},
+    trace::{Crossing, MOST_PLANE_DOUBT, OwnSide, Side, flat},
     view::{LEAST_HEIGHT, View},
 };
 
@@ -88,6 +90,24 @@ impl<const E: usize> Margins for Outlines<E> {
     }
 }
 
+impl<const E: usize> Limits for Outlines<E> {
+    #[inline(always)]
+    fn limit(&self, k: usize, lane: usize) -> (f32, f32) {
+        let start = self.start[k][lane];
+        (self.slope[k][lane], if self.is_lower(k, lane) { start } else { start - 1.0 })
+    }
+
+    #[inline(always)]
+    fn is_lower(&self, k: usize, lane: usize) -> bool {
+        self.lower[k] >> lane & 1 == 1
+    }
+
+    #[inline(always)]
+    fn beyond<P: PrecisionMode>(&self, _: usize, lane: usize) -> f32 {
+        if P::CERTIFIED { self.band[lane] } else { 0.0 }
+    }
+}
+
 /// Lanes that an outline leaves.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
@@ -112,7 +132,7 @@ impl<const E: usize> Outlines<E> {
     /// Takes over the lines that planes made, for the lanes in `alive` of which one band serves all, on all rows of
     /// the light. Returns those lanes.
     #[inline(always)]
-    pub fn take_over<L: Lanes, P: PrecisionMode>(
+    pub fn take_over<L: Lanes, P: PrecisionMode, S: Samples>(
         &mut self,
         lines: &Lines<E>,
         light: &LatticeLight,
@@ -126,7 +146,7 @@ impl<const E: usize> Outlines<E> {
         while first < TILE {
             let wanted = alive >> first & ((1 << L::WIDTH) - 1);
             if wanted != 0 {
-                taken |= self.take_chunk::<L, P>(lines, light, planes, first, wanted) << first;
+                taken |= self.take_chunk::<L, P, S>(lines, light, planes, first, wanted) << first;
             }
             first += L::WIDTH;
         }
@@ -134,7 +154,7 @@ impl<const E: usize> Outlines<E> {
     }
 
     #[inline(always)]
-    fn take_chunk<L: Lanes, P: PrecisionMode>(
+    fn take_chunk<L: Lanes, P: PrecisionMode, S: Samples>(
         &mut self,
         lines: &Lines<E>,
         light: &LatticeLight,
@@ -151,7 +171,9 @@ impl<const E: usize> Outlines<E> {
             if P::CERTIFIED {
                 let mut own = L::load(&lines.doubt[k], first);
                 let steep = own.ge(L::splat(MOST_PLANE_DOUBT));
-                if L::bits(steep) & wanted != 0 {
+                if S::JITTERED {
+                    taken &= !L::bits(steep);
+                } else if L::bits(steep) & wanted != 0 {
                     let crossing = Crossing::of(slope, start[k], own, light.columns);
                     taken &= !(crossing.stuck & L::bits(steep));
                     slope = L::select(steep, crossing.slope, slope);
@@ -177,10 +199,11 @@ impl<const E: usize> Outlines<E> {
         L::store_ints(L::splat_int(light.rows as i32), &mut self.count, first);
         taken
     }
+
     /// Writes the outlines of a triangle for the lanes in `wanted`. `E` is at least 3, or 4 for a mixed
     /// triangle, whose own plane is the fourth side.
     #[inline(always)]
-    pub fn outline<L: Lanes, P: PrecisionMode>(
+    pub fn outline<L: Lanes, P: PrecisionMode, S: Samples>(
         &mut self,
         grid: &LightGrid,
         view: &View<L::Long>,
@@ -191,7 +214,7 @@ impl<const E: usize> Outlines<E> {
         let (corners, lost, lost_height) = view.corners::<L, P>(&occluder.from(view.base));
         let mut own = OwnSide::NONE;
         if mixed {
-            own = OwnSide::of::<L, P>(grid, occluder);
+            own = OwnSide::of::<L, P, S>(grid, occluder);
             if own.stuck {
                 return Seen { outlined: 0, unknown: wanted };
             }
@@ -204,7 +227,7 @@ impl<const E: usize> Outlines<E> {
         while first < TILE {
             let lanes = wanted >> first & ((1 << L::WIDTH) - 1);
             if lanes != 0 {
-                let chunk = self.chunk::<L, P>(view, &triangle, mixed, first, lanes);
+                let chunk = self.chunk::<L, P, S>(view, &triangle, mixed, first, lanes);
                 seen.outlined |= chunk.outlined << first;
                 seen.unknown |= chunk.unknown << first;
             }
@@ -214,7 +237,7 @@ impl<const E: usize> Outlines<E> {
     }
 
     #[inline(always)]
-    fn chunk<L: Lanes, P: PrecisionMode>(
+    fn chunk<L: Lanes, P: PrecisionMode, S: Samples>(
         &mut self,
         view: &View<L::Long>,
         triangle: &Triangle,
@@ -268,8 +291,12 @@ impl<const E: usize> Outlines<E> {
 
         // Rows that may change, and whether any sample may.
         let half = L::splat(0.5);
-        let from = low.sub(off).max(zero.sub(half)).min(last_row.add(half)).ceil();
-        let end = high.add(off).min(last_row.add(half)).max(zero.sub(half)).add(L::splat(1.0)).floor();
+        // Samples of a row lie on it, or up to so much beyond.
+        let spread = L::splat(if S::JITTERED { LAST_PLACE } else { 0.0 });
+        let (lowest, after) =
+            if S::JITTERED { (low.sub(spread), last_row.sub(spread).add(half)) } else { (low, last_row.add(half)) };
+        let from = lowest.sub(off).max(zero.sub(half)).min(after).ceil();
+        let end = high.add(off).min(after).max(zero.sub(half)).add(L::splat(1.0)).floor();
         dropped |= !L::less(from, end);
         dropped |= !L::bits(L::both(right.add(off).ge(zero), last_column.ge(left.sub(off))));
         dropped &= front;
@@ -291,14 +318,14 @@ impl<const E: usize> Outlines<E> {
             (ab, bc, ca)
         };
         let mut sides =
-            [Side::new::<P>(&a, &b, &c, ab), Side::new::<P>(&b, &c, &a, bc), Side::new::<P>(&c, &a, &b, ca)];
+            [Side::new::<P, S>(&a, &b, &c, ab), Side::new::<P, S>(&b, &c, &a, bc), Side::new::<P, S>(&c, &a, &b, ca)];
         let mut doubt = zero;
         if P::CERTIFIED {
             let shallowest = sides[0].rise.min(sides[1].rise).min(sides[2].rise);
-            if candidates & !L::bits(shallowest.ge(L::splat(FLAT))) != 0 {
+            if candidates & !L::bits(shallowest.ge(L::splat(flat::<S>()))) != 0 {
                 let mut k = 0;
                 while k < 3 {
-                    unknown |= candidates & sides[k].cut_flat(off);
+                    unknown |= candidates & sides[k].cut_flat::<S>(off);
                     k += 1;
                 }
             }

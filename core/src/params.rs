@@ -10,6 +10,7 @@ use crate::{
     edge_plane::LightGrid,
     frame::LightFrame,
     hierarchy::{Levels, MAX_LEVELS},
+    jitter::{Jitter, Pattern},
     light::LatticeLight,
     order::CodeFrame,
 };
@@ -50,7 +51,7 @@ pub struct Params {
     origin: IVec4,
     /// Its step between columns, and its columns.
     step_u: IVec4,
-    /// Its step between rows; 0.
+    /// Its step between rows, and how its samples are jittered.
     step_v: IVec4,
     /// Columns per lattice unit; what the rounding of the axes moves.
     along_u: Vec4,
@@ -110,7 +111,7 @@ impl Params {
         Self {
             origin: light.origin.extend(light.rows as i32),
             step_u: light.step_u.extend(light.columns as i32),
-            step_v: light.step_v.extend(0),
+            step_v: light.step_v.extend(light.jitter.code() as i32),
             along_u: frame.along_u.extend(grid.skew),
             along_v: frame.along_v.extend(0.0),
             normal: frame.normal.extend(0.0),
@@ -152,6 +153,7 @@ impl Params {
             step_v: three(self.step_v),
             rows: self.origin.w as u32,
             columns: self.step_u.w as u32,
+            jitter: Jitter::from_code(self.step_v.w as u32),
         }
     }
 
@@ -164,8 +166,8 @@ impl Params {
             along_u: Vec3::new(self.along_u.x, self.along_u.y, self.along_u.z),
             along_v: Vec3::new(self.along_v.x, self.along_v.y, self.along_v.z),
             normal: Vec3::new(self.normal.x, self.normal.y, self.normal.z),
-            last_column: (light.columns - 1) as f32,
-            last_row: (light.rows - 1) as f32,
+            last_column: light.last_column(),
+            last_row: light.last_row(),
             scale: [self.scale.x, self.scale.y],
         }
     }
@@ -191,6 +193,33 @@ impl Params {
     pub fn levels(&self) -> Levels {
         let [a, b, c] = self.levels;
         Levels::from_words([a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w, c.x, c.y])
+    }
+}
+
+/// [`Params`] of a light whose samples are jittered.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct JitteredParams {
+    /// The light and the pass.
+    pub params: Params,
+    /// Where the light's samples lie.
+    pub pattern: Pattern,
+}
+
+impl Dispatched for JitteredParams {
+    #[inline(always)]
+    fn count(&self) -> u32 {
+        self.params.count()
+    }
+
+    #[inline(always)]
+    fn row(&self) -> u32 {
+        self.params.row()
+    }
+
+    fn with_row(mut self, row: u32) -> Self {
+        self.params = self.params.with_row(row);
+        self
     }
 }
 

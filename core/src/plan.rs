@@ -34,6 +34,8 @@ pub struct SceneFacts {
     pub block: u32,
     /// How triangles and receivers are paired.
     pub index: IndexKind,
+    /// Whether the light's samples are jittered.
+    pub jittered: bool,
 }
 
 /// One dispatch of one stage.
@@ -56,7 +58,11 @@ pub struct Plan {
 
 impl Plan {
     /// Decides what runs.
-    pub fn new(facts: SceneFacts) -> Self {
+    pub fn new(mut facts: SceneFacts) -> Self {
+        if facts.jittered && facts.index == IndexKind::Silhouette {
+            // Depths are counted for rows, and jittered samples have none in common.
+            facts.index = IndexKind::Hierarchy;
+        }
         let levels = match facts.index {
             IndexKind::Grid => Levels::default(),
             IndexKind::Hierarchy | IndexKind::Silhouette => Levels::of(facts.triangles),
@@ -143,6 +149,7 @@ impl Plan {
             Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells if !grid => {
                 (false, "the hierarchy is the index")
             }
+            Stage::FindSilhouette if facts.jittered => (false, "the light's samples are jittered"),
             Stage::FindSilhouette if facts.index != IndexKind::Silhouette => (false, "triangles are taken one by one"),
             Stage::FindSilhouette if triangles => (true, "edges inside a surface change nothing"),
             Stage::KeyTriangles | Stage::OrderTriangles | Stage::FindSilhouette | Stage::BinTriangles if !triangles => {

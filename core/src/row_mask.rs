@@ -13,6 +13,7 @@
 use crate::{
     doubt::{PairForms, PairIntegers},
     edge_plane::Lines,
+    jitter::Regular,
     lanes::{Lanes, TILE},
     light::{LatticeLight, MAX_SAMPLES},
     mask_word::MaskWord,
@@ -138,7 +139,7 @@ pub fn settle_rows<W: MaskWord, const E: usize>(
         }
         let outer = columns_of(bounds::<f32, E>(lines, planes, lane, row as f32, pair.light.columns, true).outer);
         let doubtful = W::span(outer.0 as u32, outer.1 as u32).without(mask[row]);
-        let found = forms.settle(lines, planes, lane, pair, row, doubtful);
+        let found = forms.settle(lines, &Regular, planes, lane, pair, row, doubtful);
         relevant |= found != W::EMPTY;
         mask[row] = mask[row].or(found);
     }
@@ -274,6 +275,28 @@ fn or_words<W: MaskWord>(from: &[i32; TILE], to: &[i32; TILE], _: usize, mask: &
     mask[row % MASK_ROWS] = mask[row % MASK_ROWS].or(W::span(from[0] as u32, to[0] as u32));
 }
 
+/// ORs `count` words into the rows from `row` on. Returns whether any has a bit.
+#[cfg(not(target_arch = "spirv"))]
+#[inline(always)]
+pub(crate) fn or_rows<W: MaskWord>(from: &[W; TILE], count: usize, mask: &mut MaskRows<W>, row: usize) -> bool {
+    let Some(words) = mask.get_mut(row..row + count) else { return false };
+    let (mut any, mut k) = (W::EMPTY, 0);
+    while k < count && k < words.len() {
+        words[k] = words[k].or(from[k]);
+        any = any.or(from[k]);
+        k += 1;
+    }
+    any != W::EMPTY
+}
+
+/// The same, for the one row of a GPU thread.
+#[cfg(target_arch = "spirv")]
+#[inline(always)]
+pub(crate) fn or_rows<W: MaskWord>(from: &[W; TILE], _: usize, mask: &mut MaskRows<W>, row: usize) -> bool {
+    mask[row % MASK_ROWS] = mask[row % MASK_ROWS].or(from[0]);
+    from[0] != W::EMPTY
+}
+
 /// Decides the columns of the rows in `unsure` (see [`Filled`]) that lie within the band of a bound. Returns whether any is blocked.
 ///
 /// The lines are evaluated again, on one lane, and may round differently: so one band more is looked at on each side.
@@ -301,7 +324,7 @@ pub fn settle_outline<W: MaskWord, const E: usize>(
         let at_from = (Lanes::ceil(from - 2.0 * band), Lanes::floor(from + band) + 1);
         let at_to = (Lanes::ceil(to - band) - 1, Lanes::floor(to + 2.0 * band));
         let doubtful = span_within::<W>(at_from, pair.light.columns).or(span_within(at_to, pair.light.columns));
-        let found = forms.settle(outlines, planes, lane, pair, row, doubtful.without(mask[row]));
+        let found = forms.settle(outlines, &Regular, planes, lane, pair, row, doubtful.without(mask[row]));
         relevant |= found != W::EMPTY;
         mask[row] = mask[row].or(found);
     }

@@ -6,6 +6,7 @@ use glam::{IVec3, Vec3};
 use crate::{
     edge_plane::{LightGrid, Occluder},
     executor::Executor,
+    jitter::{Pattern, Regular},
     lanes::TILE,
     light::LatticeLight,
     mask_word::MaskWord,
@@ -175,6 +176,7 @@ impl<'a, W: MaskWord, P: PrecisionMode> Serial<'a, W, P> {
 
     fn resolve(&mut self, pass: &Pass) -> Option<()> {
         let light = self.grid.light;
+        let pattern = light.jitter.is_some().then(|| Pattern::of(&light));
         let b = &mut self.buffers;
         let scene = Occlusion { grid: &self.grid, levels: self.plan.levels(), nodes: b.nodes, occluders: b.occluders };
         let block = self.plan.facts().block.min(self.plan.facts().receivers - pass.first) as usize;
@@ -189,7 +191,10 @@ impl<'a, W: MaskWord, P: PrecisionMode> Serial<'a, W, P> {
                     group.set(lane, point, keys);
                 }
             }
-            resolve::<f32, W, P>(&scene, &mut group);
+            match &pattern {
+                Some(pattern) => resolve::<f32, W, P, _>(&scene, pattern, &mut group),
+                None => resolve::<f32, W, P, _>(&scene, &Regular, &mut group),
+            }
             self.counts = self.counts.plus(group.counts);
             for (mask, entry) in group.masks.iter().zip(entries) {
                 let rows = light.rows as usize;

@@ -3,6 +3,7 @@
 
 use crate::{
     edge_plane::{LightGrid, Occluder, cross_magnitudes, float},
+    jitter::{PLACES, Regular, Samples},
     lanes::Lanes,
     light::MAX_SAMPLES,
     precision::PrecisionMode,
@@ -10,8 +11,10 @@ use crate::{
     view::Corner,
 };
 
-/// Sides that rise by less, in rows, have no usable slope.
-pub(crate) const FLAT: f32 = 1.0 / 32.0;
+/// See [`flat`].
+const FLAT: f32 = 1.0 / 32.0;
+/// The same where samples are jittered: hardly a flat side would have none of their heights beside it.
+const FLAT_JITTERED: f32 = 1.0 / 1024.0;
 /// The same where nothing is certified.
 pub(crate) const LEAST_RISE: f32 = 1.0e-6;
 /// The slope that stands for a flat side, in columns a row: over `FLAT_MARGIN` it crosses the whole grid.
@@ -48,7 +51,7 @@ pub(crate) struct Side<L: Lanes> {
 impl<L: Lanes> Side<L> {
     /// Between two corners, `along` columns and rows from one to the other, whichever goes clockwise.
     #[inline(always)]
-    pub(crate) fn new<P: PrecisionMode>(
+    pub(crate) fn new<P: PrecisionMode, S: Samples>(
         corner: &Corner<L>,
         other: &Corner<L>,
         opposite: &Corner<L>,
@@ -57,21 +60,21 @@ impl<L: Lanes> Side<L> {
         let zero = L::splat(0.0);
         let rise = along[1].abs();
         let lower = along[1].ge(zero);
-        let inverse = rise.max(L::splat(if P::CERTIFIED { FLAT } else { LEAST_RISE })).recip();
+        let inverse = rise.max(L::splat(if P::CERTIFIED { flat::<S>() } else { LEAST_RISE })).recip();
         let slope = along[0].mul(L::select(lower, inverse, zero.sub(inverse)));
         let start = corner.column.sub(slope.mul(corner.row));
         let ends = [corner.row, other.row];
         Self { slope, start, lower, steep: slope.abs(), rise, ends, opposite: opposite.row }
     }
 
-    /// In flat lanes, puts a line along the rows in the place of the side. Returns the lanes in which a row lies within
-    /// `off` of the side: nothing can stand for it there.
+    /// In flat lanes, puts a line along the rows in the place of the side. Returns the lanes in which a sample may lie within
+    /// `off` rows of the side: nothing can stand for it there.
     #[inline(always)]
-    pub(crate) fn cut_flat(&mut self, off: L) -> u32 {
+    pub(crate) fn cut_flat<S: Samples>(&mut self, off: L) -> u32 {
         let (zero, off) = (L::splat(0.0), off.add(L::splat(FLAT_MARGIN)));
-        let sloped = self.rise.ge(L::splat(FLAT));
+        let sloped = self.rise.ge(L::splat(flat::<S>()));
         let [one, other] = self.ends;
-        let stuck = meets_row(one.min(other).sub(off), one.max(other).add(off));
+        let stuck = meets_row::<L, S>(one.min(other).sub(off), one.max(other).add(off));
         // The third corner tells which rows are inside: a side so short may well run along the columns. (Where that corner is
         // as near, no row lies within the triangle.)
         let middle = one.add(other).mul(L::splat(0.5));
@@ -90,11 +93,20 @@ fn within_rows<L: Lanes>(row: L) -> L {
     row.max(L::splat(-8.5)).min(L::splat(MAX_SAMPLES as f32 + 8.5))
 }
 
-/// Lanes in which a row of the light lies in `bottom..=top`.
+/// Lanes in which samples may lie on a row in `bottom..=top`.
 #[inline(always)]
-fn meets_row<L: Lanes>(bottom: L, top: L) -> u32 {
-    let (bottom, top) = (within_rows(bottom), within_rows(top));
+fn meets_row<L: Lanes, S: Samples>(bottom: L, top: L) -> u32 {
+    let (mut bottom, mut top) = (within_rows(bottom), within_rows(top));
+    if S::JITTERED {
+        (bottom, top) = (bottom.mul(L::splat(PLACES as f32)), top.mul(L::splat(PLACES as f32)));
+    }
     top.integer_below(top.sub(bottom))
+}
+
+/// Sides that rise by less, in rows, have no usable slope.
+#[inline(always)]
+pub(crate) const fn flat<S: Samples>() -> f32 {
+    if S::JITTERED { FLAT_JITTERED } else { FLAT }
 }
 
 /// A line so steep that it crosses the whole grid between two rows, as a cut along them.
@@ -120,7 +132,7 @@ impl<L: Lanes> Crossing<L> {
         let top = within_rows(one.max(other).add(L::splat(FLAT_MARGIN)));
         let cut = L::select(upwards, L::splat(FLAT_SLOPE), L::splat(-FLAT_SLOPE));
         let middle = bottom.add(top).mul(L::splat(0.5));
-        Self { slope: cut, start: zero.sub(cut.mul(middle)), stuck: meets_row(bottom, top) }
+        Self { slope: cut, start: zero.sub(cut.mul(middle)), stuck: meets_row::<L, Regular>(bottom, top) }
     }
 }
 
@@ -141,7 +153,7 @@ impl OwnSide {
     /// The form `n·(L − a)` over the light, n the triangle's normal: its error is that of three products of three factors
     /// (see [`Real::SIDE_ERROR`]); its line has the roundoffs of a reciprocal, a product, the evaluation and the move.
     #[inline(always)]
-    pub(crate) fn of<L: Lanes, P: PrecisionMode>(grid: &LightGrid, occluder: &Occluder) -> Self {
+    pub(crate) fn of<L: Lanes, P: PrecisionMode, S: Samples>(grid: &LightGrid, occluder: &Occluder) -> Self {
         let light = &grid.light;
         let [a, b, c] = occluder.corners();
         let (e, f, d) = (b - a, c - a, light.origin - a);
@@ -161,7 +173,10 @@ impl OwnSide {
             let lost = L::Long::SIDE_ERROR * cross_magnitudes(float(e), float(f)).dot(float(d).abs() + steps);
             let rounding = 8.0 * L::ROUNDOFF * (Lanes::abs(start) + samples * Lanes::abs(slope) + samples);
             own.doubt = Lanes::min(lost / magnitude, MOST_COLUMN) + rounding;
-            if own.doubt >= MOST_PLANE_DOUBT {
+            if own.doubt >= MOST_PLANE_DOUBT && S::JITTERED {
+                // There is hardly a cut along the rows that no sample lies on.
+                own.stuck = true;
+            } else if own.doubt >= MOST_PLANE_DOUBT {
                 let crossing = Crossing::of(slope, start, own.doubt, light.columns);
                 own = Self {
                     slope: crossing.slope,

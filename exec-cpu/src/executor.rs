@@ -47,6 +47,9 @@ pub enum ExecutorError {
         /// Its value.
         value: u32,
     },
+    /// The paper's grid is the reference for the paper's figures, and takes the paper's samples.
+    #[error("the light's samples are jittered: the grid takes regular ones only")]
+    JitteredGrid,
     /// The lists of the grid's cells would not fit the memory.
     #[error("the cells of the grid hold {entries} {field}, too many for the memory: use fewer cells or receivers")]
     GridTooLarge {
@@ -139,8 +142,9 @@ impl CpuExecutor {
     }
 
     /// What will run for such a scene.
-    pub fn plan(&self, occluders: &Occluders, receivers: &Receivers, visibility: bool) -> Plan {
+    pub fn plan(&self, occluders: &Occluders, light: &LatticeLight, receivers: &Receivers, visibility: bool) -> Plan {
         Plan::new(SceneFacts {
+            jittered: light.jitter.is_some(),
             new_vertices: 0,
             triangles: occluders.triangles().len() as u32,
             receivers: receivers.len() as u32,
@@ -265,8 +269,11 @@ impl CpuExecutor {
         }
         if let Index::Grid(options) = &self.index {
             options.check()?;
+            if light.jitter.is_some() {
+                return Err(ExecutorError::JitteredGrid);
+            }
         }
-        let plan = self.plan(occluders, receivers, visibility);
+        let plan = self.plan(occluders, light, receivers, visibility);
         let how = How { plan: &plan, isa: self.isa, precision: self.precision, index: self.index };
         let work = || Run::<W, _>::new(how, occluders, *light, receivers, &visit).finish();
         match &self.pool {

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 use umbra4_core::{
     Counts, Executor, IndexKind, LatticeLight, Pass, Plan, Precision,
     edge_plane::{LightGrid, Occluder},
+    jitter::Pattern,
     lanes::TILE,
     order::Entry,
     proj4::{KeyTile, Keys, NODE, NOTHING, VertexKeys},
@@ -161,6 +162,7 @@ impl<'a, W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, V> {
         };
         let silhouette = self.silhouette.as_ref().map(|silhouette| silhouette.scene(scene));
         let light = &self.grid.light;
+        let pattern = light.jitter.is_some().then(|| Pattern::of(light));
         let (How { isa, precision, .. }, visit) = (self.how, self.visit);
         let (points, keys) = (self.receivers.points(), &self.receiver_keys);
         let total = Mutex::new(Counts::default());
@@ -178,9 +180,10 @@ impl<'a, W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, V> {
                             None => group.set_behind(lane, light),
                         }
                     }
-                    match &silhouette {
-                        Some(silhouette) => W::resolve_silhouette(isa, precision, silhouette, group, room),
-                        None => W::resolve(isa, precision, &scene, group),
+                    match (&silhouette, &pattern) {
+                        (_, Some(pattern)) => W::resolve_jittered(isa, precision, &scene, pattern, group),
+                        (Some(silhouette), _) => W::resolve_silhouette(isa, precision, silhouette, group, room),
+                        (None, None) => W::resolve(isa, precision, &scene, group),
                     }
                     counts = counts.plus(group.counts);
                     for (lane, entry) in entries.iter().enumerate() {

@@ -2,6 +2,7 @@
 
 use umbra4_core::{
     Exact, Fast, MaskWord, PairWord, Precision,
+    jitter::{Pattern, Regular},
     stage::{
         resolve::{Group, Occlusion},
         resolve_cells::CellScene,
@@ -21,6 +22,15 @@ pub trait Kernels: Sized {
     /// Fills the masks of a group. `isa` comes from [`Isa::available`].
     #[doc(hidden)]
     fn resolve(isa: Isa, precision: Precision, scene: &Occlusion<'_>, group: &mut Group<Self>);
+    /// The same, of jittered samples.
+    #[doc(hidden)]
+    fn resolve_jittered(
+        isa: Isa,
+        precision: Precision,
+        scene: &Occlusion<'_>,
+        pattern: &Pattern,
+        group: &mut Group<Self>,
+    );
     /// The same, by the silhouette.
     #[doc(hidden)]
     fn resolve_silhouette(
@@ -41,8 +51,21 @@ macro_rules! kernels {
             impl Kernels for $word {
                 fn resolve(isa: Isa, precision: Precision, scene: &Occlusion<'_>, group: &mut Group<Self>) {
                     match precision {
-                        Precision::Exact => isa.resolve::<Self, Exact>(scene, group),
-                        Precision::Fast => isa.resolve::<Self, Fast>(scene, group),
+                        Precision::Exact => isa.resolve::<Self, Exact, _>(scene, &Regular, group),
+                        Precision::Fast => isa.resolve::<Self, Fast, _>(scene, &Regular, group),
+                    }
+                }
+
+                fn resolve_jittered(
+                    isa: Isa,
+                    precision: Precision,
+                    scene: &Occlusion<'_>,
+                    pattern: &Pattern,
+                    group: &mut Group<Self>,
+                ) {
+                    match precision {
+                        Precision::Exact => isa.resolve::<Self, Exact, _>(scene, pattern, group),
+                        Precision::Fast => isa.resolve::<Self, Fast, _>(scene, pattern, group),
                     }
                 }
 

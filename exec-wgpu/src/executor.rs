@@ -192,6 +192,7 @@ impl WgpuExecutor {
             visibility: asked.visibility,
             block: block(&layout(slice), self.block),
             index: IndexKind::Hierarchy,
+            jittered: light.jitter.is_some(),
         });
         let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);
         let Work { recorder, scratch } = match &mut *work {

@@ -83,7 +83,8 @@ struct Dispatch {
     stage: Stage,
     pipeline: Arc<Pipeline>,
     groups: [u32; 2],
-    params: [u8; SLOT],
+    /// As many slots as it takes.
+    params: Vec<u8>,
 }
 
 #[derive(Debug)]
@@ -152,7 +153,6 @@ impl Recorder {
         params: P,
         bound: &[Resource],
     ) -> Result<(), GpuError> {
-        const { assert!(size_of::<P>() <= SLOT) }
         let count = params.count();
         if count == 0 {
             return Ok(());
@@ -160,8 +160,8 @@ impl Recorder {
         let most = self.device.limits().max_compute_workgroups_per_dimension;
         let columns = count.div_ceil(WORKGROUP).min(most);
         let rows = count.div_ceil(columns * WORKGROUP);
-        let mut bytes = [0; SLOT];
-        bytes[..size_of::<P>()].copy_from_slice(bytemuck::bytes_of(&params.with_row(columns * WORKGROUP)));
+        let mut bytes = bytemuck::bytes_of(&params.with_row(columns * WORKGROUP)).to_vec();
+        bytes.resize(bytes.len().next_multiple_of(SLOT), 0);
         let pipeline = self.pipelines.get(&self.device, kernel)?;
         self.steps.push(Step::Dispatch(Box::new(Dispatch {
             bound: (kernel, bound.to_vec()),
@@ -215,7 +215,7 @@ impl Recorder {
     /// The buffer of the parameters, and the bind groups of all dispatches.
     fn make(&mut self) -> Result<(), GpuError> {
         self.encodings += 1;
-        let bytes = (self.dispatches().count() * SLOT) as u64;
+        let bytes = self.dispatches().map(|dispatch| dispatch.params.len() as u64).sum::<u64>();
         if self.slots.as_ref().is_none_or(|slots| slots.size() < bytes) {
             let slots = guarded(&self.device, "allocates parameters", || {
                 self.device.create_buffer(&BufferDescriptor {
@@ -245,14 +245,11 @@ impl Recorder {
 
     /// Brings the parameters of all dispatches to the device, in the order of the encoder.
     fn write_params(&mut self, encoder: &mut CommandEncoder) -> Result<(), GpuError> {
-        let bytes = self.dispatches().count() * SLOT;
+        let all: Vec<u8> = self.dispatches().flat_map(|dispatch| &dispatch.params).copied().collect();
+        let bytes = all.len();
         let (Some(slots), Some(size)) = (&self.slots, BufferSize::new(bytes as u64)) else { return Ok(()) };
         // Powers of two: frames that grow little by little take the same chunks.
         let room = size.checked_next_power_of_two().unwrap_or(size);
-        let mut all = vec![0; bytes];
-        for (slot, dispatch) in all.chunks_exact_mut(SLOT).zip(self.dispatches()) {
-            slot.copy_from_slice(&dispatch.params);
-        }
         let part = guarded(&self.device, "allocates a staging buffer", || {
             let part = self.belt.allocate(room, const { NonZero::new(wgpu::COPY_BUFFER_ALIGNMENT).unwrap() });
             let view = part.get_mapped_range_mut();
@@ -337,13 +334,13 @@ fn bind(device: &Device, slots: &Buffer, Dispatch { bound, pipeline, .. }: &Disp
     })
 }
 
-fn dispatch(pass: &mut ComputePass<'_>, groups: &HashMap<Bound, Group>, own: &Dispatch, place: &mut usize) {
+fn dispatch(pass: &mut ComputePass<'_>, groups: &HashMap<Bound, Group>, own: &Dispatch, place: &mut u32) {
     // All are made before anything is encoded.
     let Some(Group { group, .. }) = groups.get(&own.bound) else { return };
     pass.set_pipeline(&own.pipeline.pipeline);
-    pass.set_bind_group(0, group, &[(*place * SLOT) as u32]);
+    pass.set_bind_group(0, group, &[*place]);
     pass.dispatch_workgroups(own.groups[0], own.groups[1], 1);
-    *place += 1;
+    *place += own.params.len() as u32;
 }
 
 fn copy_image(encoder: &mut CommandEncoder, from: &Buffer, pitch: u32, to: &Texture, layer: u32) {

@@ -240,6 +240,7 @@ impl SoftShadows {
                 visibility: light.visibility.is_some(),
                 block: block(&layout, BLOCK),
                 index: IndexKind::Hierarchy,
+                jittered: own.light.jitter.is_some(),
             });
             let buffers = Buffers::fit(&mut self.scratch, &self.device, &plan, &layout, checked.vertices)?;
             if first {

@@ -4,13 +4,14 @@ use umbra4_core::{
     Executor, LatticeLight, Pass, Plan,
     edge_plane::LightGrid,
     glam::IVec3,
+    jitter::Pattern,
     kernel::{
-        Kernel,
+        Kernel, ParamsKind,
         dispatch::{self, MaskLayout, Role, dispatches},
         resolve::{ReceiverCounts, stride},
     },
     order::CodeFrame,
-    params::Params,
+    params::{JitteredParams, Params},
     precision::Precision,
     proj4::{KeyTile, NODE},
     stage::Stage,
@@ -43,7 +44,8 @@ pub(crate) fn mask_layout(
     counted: bool,
     slice: u32,
 ) -> MaskLayout {
-    MaskLayout { resolve: resolve_kernel(bits, precision, counted), stride: stride(light.rows, bits), counted, slice }
+    let resolve = resolve_kernel(bits, precision, light.jitter.is_some(), counted);
+    MaskLayout { resolve, stride: stride(light.rows, bits), counted, slice }
 }
 
 /// Receivers of a block: at most `most`, and no more than the memory for masks holds.
@@ -60,16 +62,24 @@ pub(crate) const fn narrowest(light: &LatticeLight) -> u32 {
     }
 }
 
-const fn resolve_kernel(bits: u32, precision: Precision, counted: bool) -> Kernel {
-    match (bits, precision, counted) {
-        (..=32, Precision::Exact, false) => Kernel::Resolve32Exact,
-        (..=32, Precision::Exact, true) => Kernel::Resolve32ExactCounted,
-        (..=32, Precision::Fast, false) => Kernel::Resolve32Fast,
-        (..=32, Precision::Fast, true) => Kernel::Resolve32FastCounted,
-        (_, Precision::Exact, false) => Kernel::Resolve64Exact,
-        (_, Precision::Exact, true) => Kernel::Resolve64ExactCounted,
-        (_, Precision::Fast, false) => Kernel::Resolve64Fast,
-        (_, Precision::Fast, true) => Kernel::Resolve64FastCounted,
+const fn resolve_kernel(bits: u32, precision: Precision, jittered: bool, counted: bool) -> Kernel {
+    match (bits, precision, jittered, counted) {
+        (..=32, Precision::Exact, false, false) => Kernel::Resolve32Exact,
+        (..=32, Precision::Exact, false, true) => Kernel::Resolve32ExactCounted,
+        (..=32, Precision::Exact, true, false) => Kernel::Resolve32ExactJittered,
+        (..=32, Precision::Exact, true, true) => Kernel::Resolve32ExactJitteredCounted,
+        (..=32, Precision::Fast, false, false) => Kernel::Resolve32Fast,
+        (..=32, Precision::Fast, false, true) => Kernel::Resolve32FastCounted,
+        (..=32, Precision::Fast, true, false) => Kernel::Resolve32FastJittered,
+        (..=32, Precision::Fast, true, true) => Kernel::Resolve32FastJitteredCounted,
+        (_, Precision::Exact, false, false) => Kernel::Resolve64Exact,
+        (_, Precision::Exact, false, true) => Kernel::Resolve64ExactCounted,
+        (_, Precision::Exact, true, false) => Kernel::Resolve64ExactJittered,
+        (_, Precision::Exact, true, true) => Kernel::Resolve64ExactJitteredCounted,
+        (_, Precision::Fast, false, false) => Kernel::Resolve64Fast,
+        (_, Precision::Fast, false, true) => Kernel::Resolve64FastCounted,
+        (_, Precision::Fast, true, false) => Kernel::Resolve64FastJittered,
+        (_, Precision::Fast, true, true) => Kernel::Resolve64FastJitteredCounted,
     }
 }
 
@@ -187,6 +197,7 @@ pub(crate) struct Stages<'a, E> {
     plan: &'a Plan,
     layout: MaskLayout,
     params: Params,
+    pattern: Pattern,
     recorder: &'a mut Recorder,
     buffers: &'a Buffers,
     ends: E,
@@ -205,7 +216,7 @@ impl<'a, E: Ends> Stages<'a, E> {
     ) -> Self {
         let grid = LightGrid::new(*light);
         let params = Params::new(&grid, &CodeFrame::around(&grid.frame, bounds), plan.levels());
-        Self { plan, layout, params, recorder, buffers, ends }
+        Self { plan, layout, params, pattern: Pattern::of(light), recorder, buffers, ends }
     }
 
     /// Records all stages of the plan.
@@ -227,14 +238,20 @@ impl<E: Ends> Executor for Stages<'_, E> {
     type Error = GpuError;
 
     fn dispatch(&mut self, pass: &Pass) -> Result<(), GpuError> {
-        let Self { plan, layout, params, recorder, buffers, ends } = self;
+        let Self { plan, layout, params, pattern, recorder, buffers, ends } = self;
         recorder.set_stage(pass.stage);
         match pass.stage {
             Stage::SnapVertices => ends.snap_vertices(recorder, buffers)?,
             Stage::SnapReceivers => ends.snap_receivers(recorder, buffers, pass.first, pass.count)?,
             _ => dispatches(plan, layout, pass, &mut |dispatch| {
                 let bound: Vec<Resource> = dispatch.roles.iter().map(|role| buffers.of(*role).into()).collect();
-                recorder.add(dispatch.kernel, params.with_pass(&dispatch.pass), &bound)
+                let params = params.with_pass(&dispatch.pass);
+                match dispatch.kernel.info().params {
+                    ParamsKind::JitteredLight => {
+                        recorder.add(dispatch.kernel, JitteredParams { params, pattern: *pattern }, &bound)
+                    }
+                    _ => recorder.add(dispatch.kernel, params, &bound),
+                }
             })?,
         }
         let last = if plan.facts().visibility { Stage::Reduce } else { Stage::Resolve };

@@ -15,10 +15,11 @@ use umbra4_core::{
     Exact, Fast, PairWord,
     edge_plane::Occluder,
     gbuffer::ViewParams,
+    jitter::{Pattern, Regular},
     kernel::{self, resolve::ReceiverCounts, snap_receivers, status::Status},
     mesh::MeshParams,
     order::Entry,
-    params::Params,
+    params::{JitteredParams, Params},
     proj4::{KeyTile, Keys},
 };
 
@@ -134,8 +135,8 @@ macro_rules! resolve {
                 #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] masks: &mut [u32],
             ) {
                 let id = kernel::id(thread.to_array(), params);
-                kernel::resolve::resolve::<$word, $precision>(
-                    id, params, receivers, keys, order, occluders, nodes, masks,
+                kernel::resolve::resolve::<$word, $precision, Regular>(
+                    id, params, &Regular, receivers, keys, order, occluders, nodes, masks,
                 );
             }
 
@@ -153,8 +154,8 @@ macro_rules! resolve {
                 #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] counts: &mut [ReceiverCounts],
             ) {
                 let id = kernel::id(thread.to_array(), params);
-                kernel::resolve::resolve_counted::<$word, $precision>(
-                    id, params, receivers, keys, order, occluders, nodes, masks, counts,
+                kernel::resolve::resolve_counted::<$word, $precision, Regular>(
+                    id, params, &Regular, receivers, keys, order, occluders, nodes, masks, counts,
                 );
             }
         )*
@@ -166,6 +167,56 @@ resolve! {
     resolve_32_fast, resolve_32_fast_counted: u32, Fast;
     resolve_64_exact, resolve_64_exact_counted: PairWord, Exact;
     resolve_64_fast, resolve_64_fast_counted: PairWord, Fast;
+}
+
+macro_rules! resolve_jittered {
+    ($($name:ident, $counted:ident: $word:ty, $precision:ty;)*) => {
+        $(
+            /// See `umbra4_core::kernel::resolve`.
+            #[spirv(compute(threads(64)))]
+            pub fn $name(
+                #[spirv(global_invocation_id)] thread: UVec3,
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] jittered: &JitteredParams,
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] keys: &[Keys],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] order: &[Entry],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] occluders: &[Occluder],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] nodes: &[KeyTile],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] masks: &mut [u32],
+            ) {
+                let id = kernel::id(thread.to_array(), jittered);
+                kernel::resolve::resolve::<$word, $precision, Pattern>(
+                    id, &jittered.params, &jittered.pattern, receivers, keys, order, occluders, nodes, masks,
+                );
+            }
+
+            /// See `umbra4_core::kernel::resolve`.
+            #[spirv(compute(threads(64)))]
+            pub fn $counted(
+                #[spirv(global_invocation_id)] thread: UVec3,
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] jittered: &JitteredParams,
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] keys: &[Keys],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] order: &[Entry],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] occluders: &[Occluder],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] nodes: &[KeyTile],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] masks: &mut [u32],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] counts: &mut [ReceiverCounts],
+            ) {
+                let id = kernel::id(thread.to_array(), jittered);
+                kernel::resolve::resolve_counted::<$word, $precision, Pattern>(
+                    id, &jittered.params, &jittered.pattern, receivers, keys, order, occluders, nodes, masks, counts,
+                );
+            }
+        )*
+    };
+}
+
+resolve_jittered! {
+    resolve_32_exact_jittered, resolve_32_exact_jittered_counted: u32, Exact;
+    resolve_32_fast_jittered, resolve_32_fast_jittered_counted: u32, Fast;
+    resolve_64_exact_jittered, resolve_64_exact_jittered_counted: PairWord, Exact;
+    resolve_64_fast_jittered, resolve_64_fast_jittered_counted: PairWord, Fast;
 }
 
 /// See `umbra4_core::kernel::reduce`.

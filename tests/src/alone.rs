@@ -5,11 +5,12 @@ use std::collections::HashMap;
 use bytemuck::{cast_slice, pod_collect_to_vec};
 use umbra4_core::{
     Exact, Fast, PairWord,
+    jitter::Regular,
     kernel::{
         Access, Kernel, WORKGROUP, build_level, key_receivers, key_triangles, order_triangles, probe, reduce, resolve,
         sort,
     },
-    params::{Dispatched, Params},
+    params::{Dispatched, JitteredParams},
 };
 use umbra4_wgpu::{
     Gpu, code,
@@ -75,14 +76,15 @@ impl OnDevice {
         made.clone()
     }
 
-    /// Runs a kernel over words in the order of its bindings, all of which are buffers.
-    pub fn run(&mut self, kernel: Kernel, params: &Params, words: &mut [Vec<u32>]) {
+    /// Runs a kernel over words in the order of its bindings, all of which are buffers. Of `params` it is told what it takes.
+    pub fn run(&mut self, kernel: Kernel, params: &JitteredParams, words: &mut [Vec<u32>]) {
         let pipeline = self.pipeline(kernel);
         let Gpu { device, queue, .. } = &self.gpu;
         let groups = params.count().div_ceil(WORKGROUP);
         let params = params.with_row(groups * WORKGROUP);
         let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
-        let params = buffer(&self.gpu, bytemuck::bytes_of(&params), usage);
+        let size = kernel.info().params.size();
+        let params = buffer(&self.gpu, &bytemuck::bytes_of(&params)[..size], usage);
         let bound: Vec<wgpu::Buffer> = words.iter().map(|words| buffer(&self.gpu, cast_slice(words), usage)).collect();
         let entries: Vec<_> = [&params]
             .into_iter()
@@ -114,23 +116,24 @@ impl OnDevice {
 ///
 /// # Panics
 /// For kernels that read textures or count by atomics: those are tested in whole frames.
-pub fn on_host(kernel: Kernel, params: &Params, words: &mut [Vec<u32>]) {
+pub fn on_host(kernel: Kernel, told: &JitteredParams, words: &mut [Vec<u32>]) {
+    let JitteredParams { params, pattern } = told;
     let ids = 0..params.count() as usize;
     // Slices of the kernel's types, which may want another alignment than words; in the order of the bindings.
     macro_rules! run {
-        ($function:path; $($read:ident),*; $($write:ident),*) => {{
+        ($function:path $(, $samples:expr)?; $($read:ident),*; $($write:ident),*) => {{
             let [$($read,)* $($write),*] = words else { panic!("{kernel:?} has other bindings") };
             $(let $read = pod_collect_to_vec::<u32, _>($read);)*
-            run!(@write $function, ids, [$($read),*], $($write),*)
+            run!(@write $function, [$($samples)?], ids, [$($read),*], $($write),*)
         }};
-        (@write $function:path, $ids:expr, [$($read:ident),*], $a:ident) => {{
+        (@write $function:path, [$($samples:expr)?], $ids:expr, [$($read:ident),*], $a:ident) => {{
             let mut first = pod_collect_to_vec::<u32, _>($a);
-            $ids.for_each(|id| { $function(id, params, $(&$read,)* &mut first); });
+            $ids.for_each(|id| { $function(id, params, $($samples,)? $(&$read,)* &mut first); });
             *$a = pod_collect_to_vec(&first);
         }};
-        (@write $function:path, $ids:expr, [$($read:ident),*], $a:ident, $b:ident) => {{
+        (@write $function:path, [$($samples:expr)?], $ids:expr, [$($read:ident),*], $a:ident, $b:ident) => {{
             let (mut first, mut second) = (pod_collect_to_vec::<u32, _>($a), pod_collect_to_vec::<u32, _>($b));
-            $ids.for_each(|id| { $function(id, params, $(&$read,)* &mut first, &mut second); });
+            $ids.for_each(|id| { $function(id, params, $($samples,)? $(&$read,)* &mut first, &mut second); });
             (*$a, *$b) = (pod_collect_to_vec(&first), pod_collect_to_vec(&second));
         }};
     }
@@ -143,12 +146,24 @@ pub fn on_host(kernel: Kernel, params: &Params, words: &mut [Vec<u32>]) {
         Kernel::ScatterDigits => run!(sort::scatter_digits; a, b; c),
         Kernel::OrderTriangles => run!(order_triangles::order_triangles; a, b, c, d; e, f),
         Kernel::BuildLevel => run!(build_level::build_level; ; a),
-        Kernel::Resolve32Exact => run!(resolve::resolve::<u32, Exact>; a, b, c, d, e; f),
-        Kernel::Resolve64Exact => run!(resolve::resolve::<PairWord, Exact>; a, b, c, d, e; f),
-        Kernel::Resolve32Fast => run!(resolve::resolve::<u32, Fast>; a, b, c, d, e; f),
-        Kernel::Resolve64Fast => run!(resolve::resolve::<PairWord, Fast>; a, b, c, d, e; f),
-        Kernel::Resolve32ExactCounted => run!(resolve::resolve_counted::<u32, Exact>; a, b, c, d, e; f, g),
-        Kernel::Resolve64ExactCounted => run!(resolve::resolve_counted::<PairWord, Exact>; a, b, c, d, e; f, g),
+        Kernel::Resolve32Exact => run!(resolve::resolve::<u32, Exact, _>, &Regular; a, b, c, d, e; f),
+        Kernel::Resolve32ExactJittered => run!(resolve::resolve::<u32, Exact, _>, pattern; a, b, c, d, e; f),
+        Kernel::Resolve32Fast => run!(resolve::resolve::<u32, Fast, _>, &Regular; a, b, c, d, e; f),
+        Kernel::Resolve32FastJittered => run!(resolve::resolve::<u32, Fast, _>, pattern; a, b, c, d, e; f),
+        Kernel::Resolve32ExactCounted => run!(resolve::resolve_counted::<u32, Exact, _>, &Regular; a, b, c, d, e; f, g),
+        Kernel::Resolve32ExactJitteredCounted => {
+            run!(resolve::resolve_counted::<u32, Exact, _>, pattern; a, b, c, d, e; f, g)
+        }
+        Kernel::Resolve64Exact => run!(resolve::resolve::<PairWord, Exact, _>, &Regular; a, b, c, d, e; f),
+        Kernel::Resolve64ExactJittered => run!(resolve::resolve::<PairWord, Exact, _>, pattern; a, b, c, d, e; f),
+        Kernel::Resolve64Fast => run!(resolve::resolve::<PairWord, Fast, _>, &Regular; a, b, c, d, e; f),
+        Kernel::Resolve64FastJittered => run!(resolve::resolve::<PairWord, Fast, _>, pattern; a, b, c, d, e; f),
+        Kernel::Resolve64ExactCounted => {
+            run!(resolve::resolve_counted::<PairWord, Exact, _>, &Regular; a, b, c, d, e; f, g)
+        }
+        Kernel::Resolve64ExactJitteredCounted => {
+            run!(resolve::resolve_counted::<PairWord, Exact, _>, pattern; a, b, c, d, e; f, g)
+        }
         Kernel::Reduce => run!(reduce::reduce; a; b),
         Kernel::Probe => run!(probe::probe; a; b),
         other => panic!("{other:?} is not run alone"),

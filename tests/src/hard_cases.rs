@@ -4,7 +4,7 @@
 //! to given half-integer rows and columns. What it blocks follows by counting, not by geometry.
 
 use umbra4_core::{
-    AreaLight, Bounds, Lattice, LatticeLight, Lift,
+    AreaLight, Bounds, Jitter, Lattice, LatticeLight, Lift,
     glam::{DVec3, IVec3, Vec3},
 };
 use umbra4_cpu::{Occluders, Receivers};
@@ -110,7 +110,14 @@ const HEIGHT: i32 = 1 << 20;
 /// A lamp that shines straight down, over the middle of the floor.
 fn lamp(rows: u32, columns: u32) -> LatticeLight {
     let origin = IVec3::new(-(columns as i32 - 1) * STEP / 2, HEIGHT, -(rows as i32 - 1) * STEP / 2);
-    LatticeLight { origin, step_u: IVec3::new(STEP, 0, 0), step_v: IVec3::new(0, 0, STEP), rows, columns }
+    LatticeLight {
+        origin,
+        step_u: IVec3::new(STEP, 0, 0),
+        step_v: IVec3::new(0, 0, STEP),
+        rows,
+        columns,
+        jitter: Jitter::NONE,
+    }
 }
 
 /// A lamp whose grid is askew in all three axes.

@@ -49,13 +49,18 @@ pub fn hit(p: IVec3, sample: IVec3, triangle: [IVec3; 3]) -> bool {
     side != 0 && alpha >= 0 && beta >= 0 && gamma >= 0 && alpha + beta + gamma > volume.abs()
 }
 
+/// A light sample. Not [`LatticeLight::sample`], but where jitter, which is input, has it: this file stands on its own.
+fn sample(light: &LatticeLight, row: u32, column: u32) -> IVec3 {
+    if light.jitter.is_some() {
+        return light.sample(row, column);
+    }
+    let along = |k: usize| light.origin[k] + row as i32 * light.step_v[k] + column as i32 * light.step_u[k];
+    IVec3::new(along(0), along(1), along(2))
+}
+
 /// One bit of the mask of `p`.
 pub fn oracle_bit(light: &LatticeLight, p: IVec3, triangles: &[[IVec3; 3]], row: u32, column: u32) -> bool {
-    let along = |k: usize| {
-        // Not LatticeLight::sample: this file stands on its own.
-        light.origin[k] + row as i32 * light.step_v[k] + column as i32 * light.step_u[k]
-    };
-    let sample = IVec3::new(along(0), along(1), along(2));
+    let sample = sample(light, row, column);
     behind(light, p) || triangles.iter().any(|&t| hit(p, sample, t))
 }
 
@@ -132,6 +137,28 @@ fn add_triangle(light: &LatticeLight, p: IVec3, triangle: [IVec3; 3], rows: &mut
     }
 }
 
+/// Jittered samples, row by row; `None` where they are regular.
+fn jittered_samples(light: &LatticeLight) -> Option<Vec<IVec3>> {
+    let pairs = (0..light.rows).flat_map(|row| (0..light.columns).map(move |column| (row, column)));
+    light.jitter.is_some().then(|| pairs.map(|(row, column)| sample(light, row, column)).collect())
+}
+
+/// As [`add_triangle`], sample by sample.
+///
+/// The only short cut: cells lie in the parallelogram of the light, and what is linear is negative on all of it if it is at its corners.
+fn add_to_samples(light: &LatticeLight, samples: &[IVec3], p: IVec3, triangle: [IVec3; 3], rows: &mut [u64]) {
+    let Some(conditions) = conditions(light, p, triangle) else { return };
+    let corners = [(0, 0), (0, light.columns), (light.rows, 0), (light.rows, light.columns)];
+    if conditions.iter().any(|f| corners.iter().all(|&(i, j)| f.at(i, j) < 0)) {
+        return;
+    }
+    for (of_row, word) in samples.chunks(light.columns as usize).zip(rows) {
+        for (column, &sample) in of_row.iter().enumerate() {
+            *word |= u64::from(*word >> column & 1 == 0 && hit(p, sample, triangle)) << column;
+        }
+    }
+}
+
 /// The mask of one receiver: a word per row, bit j is column j, bits at and beyond the last column 0.
 pub fn oracle_mask(light: &LatticeLight, p: IVec3, triangles: &[[IVec3; 3]], rows: &mut [u64]) {
     assert_eq!(rows.len(), light.rows as usize, "one word per row");
@@ -141,8 +168,12 @@ pub fn oracle_mask(light: &LatticeLight, p: IVec3, triangles: &[[IVec3; 3]], row
         return;
     }
     rows.fill(0);
+    let samples = jittered_samples(light);
     for &triangle in triangles {
-        add_triangle(light, p, triangle, rows);
+        match &samples {
+            None => add_triangle(light, p, triangle, rows),
+            Some(samples) => add_to_samples(light, samples, p, triangle, rows),
+        }
         if rows.iter().all(|&word| word == full) {
             return;
         }

@@ -3,6 +3,7 @@
 use umbra4_core::{
     AreaLight, Bounds, Lattice, LatticeLight, Lift,
     glam::{DVec3, IVec3, Vec3},
+    jitter::PLACES,
     snap::LIMIT,
 };
 use umbra4_cpu::{Occluders, Receivers};
@@ -72,12 +73,13 @@ impl Scene {
         let occluders = Occluders::from_f64(&lattice, &vertices, &self.mesh.triangles).expect("vertices are inside");
         let points: Vec<DVec3> = self.receivers.iter().copied().map(world).collect();
         let receivers = Receivers::raw_f64(&lattice, &points).expect("receivers are inside");
-        let LatticeLight { origin, step_u, step_v, rows, columns } = self.light;
+        let LatticeLight { origin, step_u, step_v, rows, columns, jitter } = self.light;
         let (edge_u, edge_v) = (world(step_u) * f64::from(columns), world(step_v) * f64::from(rows));
-        // The corner is half a step before the first sample.
-        let corner = world(origin) - (world(step_u) + world(step_v)) * 0.5;
+        // The corner is half a step before the first sample, or half of one between places before the first place.
+        let places = if jitter.is_some() { f64::from(PLACES) } else { 1.0 };
+        let corner = world(origin) - (world(step_u) + world(step_v)) * (0.5 / places);
         let light = AreaLight::new(corner, edge_u, edge_v, rows, columns)
-            .and_then(|light| light.snap(&lattice, Lift::NONE))
+            .and_then(|light| light.with_jitter(jitter).snap(&lattice, Lift::NONE))
             .unwrap_or_else(|error| panic!("{error}: {:?}", self.light));
 
         assert_eq!(occluders.vertices(), self.mesh.vertices, "integers snap to themselves");

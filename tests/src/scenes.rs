@@ -1,8 +1,10 @@
 //! Scene generators: random, deterministic, and made so that coincidences happen, which floats get wrong.
 
 use umbra4_core::{
-    LatticeLight,
+    Jitter, LatticeLight,
+    area_light::{MIN_PLACE_STEP, MIN_STEP},
     glam::{DVec3, IVec3, Vec3},
+    jitter::PLACES,
 };
 
 use crate::{
@@ -11,8 +13,42 @@ use crate::{
     scene::{REACH, Scene, WorldScene},
 };
 
-/// A generator: a scene whose light has the given rows and columns.
-pub type Generator = fn(&mut Rng, u32, u32) -> Scene;
+/// How the samples of a light are to lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SampleGrid {
+    /// Rows of samples.
+    pub rows: u32,
+    /// Samples a row.
+    pub columns: u32,
+    /// Whether they lie off the grid.
+    pub jitter: Jitter,
+}
+
+impl SampleGrid {
+    /// On the grid.
+    pub const fn regular(rows: u32, columns: u32) -> Self {
+        Self { rows, columns, jitter: Jitter::NONE }
+    }
+
+    /// Some pattern of jittered samples.
+    #[must_use]
+    pub fn jittered(self, rng: &mut Rng) -> Self {
+        Self { jitter: Jitter::pattern(rng.next_u64() as u32 >> rng.below(32)), ..self }
+    }
+
+    /// The shortest step, lattice units.
+    const fn least(self) -> i32 {
+        if self.jitter.is_some() { MIN_PLACE_STEP * PLACES as i32 } else { MIN_STEP }
+    }
+
+    /// A step that such samples may have, not longer.
+    fn step(self, step: IVec3) -> IVec3 {
+        if self.jitter.is_some() { step / PLACES as i32 * PLACES as i32 } else { step }
+    }
+}
+
+/// A generator: a scene whose light has the given samples.
+pub type Generator = fn(&mut Rng, SampleGrid) -> Scene;
 
 /// All generators, by name.
 pub const GENERATORS: [(&str, Generator); 12] = [
@@ -37,18 +73,18 @@ pub const EXPONENTS: [i32; 5] = [0, 25, -40, 100, -98];
 const RECEIVERS: usize = 90;
 
 /// Sample grids whose rows are as long as a word of `bits` makes interesting.
-pub fn grid(rng: &mut Rng, bits: u32) -> (u32, u32) {
+pub fn grid(rng: &mut Rng, bits: u32) -> SampleGrid {
     let columns = match bits {
         16 => [16, 16, 16, 15, 13, 8, 2, 1],
         32 => [32, 32, 32, 31, 17, 16, 2, 1],
         _ => [64, 64, 64, 63, 33, 32, 17, 1],
     };
     let rows = [64, 64, 33, 32, 17, 16, 5, 1];
-    (rng.pick(&rows), rng.pick(&columns))
+    SampleGrid::regular(rng.pick(&rows), rng.pick(&columns))
 }
 
-/// A vector whose largest component is `longest`: along an axis, along a diagonal, or anyhow.
-fn direction(rng: &mut Rng, longest: i32) -> IVec3 {
+/// A vector whose largest component is `longest`, or at least `least`: along an axis, along a diagonal, or anyhow.
+fn direction(rng: &mut Rng, longest: i32, least: i32) -> IVec3 {
     loop {
         let v = match rng.below(3) {
             0 => {
@@ -58,7 +94,7 @@ fn direction(rng: &mut Rng, longest: i32) -> IVec3 {
             1 => IVec3::new(rng.around(1), rng.around(1), rng.around(1)) * longest,
             _ => rng.point(longest),
         };
-        if v.abs().max_element() >= 64 {
+        if v.abs().max_element() >= least {
             return v;
         }
     }
@@ -70,26 +106,29 @@ fn parallel(u: IVec3, v: IVec3) -> bool {
 }
 
 /// A light centred within `extent` of `center`, whose samples stay within `extent` of its centre and inside the lattice.
-pub fn light(rng: &mut Rng, rows: u32, columns: u32, center: IVec3, extent: i32) -> LatticeLight {
+pub fn light(rng: &mut Rng, samples: SampleGrid, center: IVec3, extent: i32) -> LatticeLight {
+    let (SampleGrid { rows, columns, jitter }, least) = (samples, samples.least());
     loop {
         let mut step = |count: u32| {
-            let most = (extent / count as i32).max(64);
+            let most = (extent / count as i32).max(least);
             // Steps of all sizes, down to the shortest that is allowed.
-            let least = most >> rng.below(12);
-            direction(rng, least.max(64))
+            let longest = most >> rng.below(12);
+            samples.step(direction(rng, longest.max(least), least))
         };
         let (step_u, step_v) = (step(columns), step(rows));
         let half = (step_u * (columns as i32 - 1) + step_v * (rows as i32 - 1)) / 2;
         let origin = center + rng.point(extent) - half;
         // In floats, since a light that does not fit may not fit i32 either.
-        let fits = [0, rows - 1].iter().all(|&i| {
-            [0, columns - 1].iter().all(|&j| {
+        // Jittered samples may lie anywhere before the next cell.
+        let beyond = if jitter.is_some() { 0 } else { 1 };
+        let fits = [0, rows - beyond].iter().all(|&i| {
+            [0, columns - beyond].iter().all(|&j| {
                 let sample = origin.as_dvec3() + step_v.as_dvec3() * f64::from(i) + step_u.as_dvec3() * f64::from(j);
                 sample.abs().max_element() < f64::from(REACH)
             })
         });
         if fits && !parallel(step_u, step_v) {
-            return LatticeLight { origin, step_u, step_v, rows, columns };
+            return LatticeLight { origin, step_u, step_v, rows, columns, jitter };
         }
     }
 }
@@ -148,9 +187,9 @@ fn finish(rng: &mut Rng, light: LatticeLight, mesh: Mesh, center: IVec3, extent:
 }
 
 /// Triangles of all sizes anywhere in the lattice.
-pub fn soup(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
+pub fn soup(rng: &mut Rng, samples: SampleGrid) -> Scene {
     let extent = REACH / 2;
-    let light = light(rng, rows, columns, IVec3::ZERO, extent / 2);
+    let light = light(rng, samples, IVec3::ZERO, extent / 2);
     let mut mesh = Mesh::default();
     for _ in 0..rng.below(40) {
         let (size, at) = (extent >> rng.below(6), rng.point(extent));
@@ -160,10 +199,10 @@ pub fn soup(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
 }
 
 /// The smallest scenes that a light allows, in a far corner of the lattice: coordinates large, differences small.
-pub fn tiny(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
-    let extent = 64 * 80;
+pub fn tiny(rng: &mut Rng, samples: SampleGrid) -> Scene {
+    let extent = samples.least() * 80;
     let center = rng.point(1) * (REACH - 4 * extent);
-    let light = light(rng, rows, columns, center, extent);
+    let light = light(rng, samples, center, extent);
     let mut mesh = Mesh::default();
     for _ in 0..rng.below(40) {
         let (size, at) = (extent >> rng.below(12), center + rng.point(extent));
@@ -173,8 +212,8 @@ pub fn tiny(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
 }
 
 /// Vertices, receivers and light at the outermost points of the lattice: determinants as large as they get.
-pub fn outermost(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
-    let light = light(rng, rows, columns, IVec3::ZERO, REACH - 1);
+pub fn outermost(rng: &mut Rng, samples: SampleGrid) -> Scene {
+    let light = light(rng, samples, IVec3::ZERO, REACH - 1);
     let mut mesh = Mesh::default();
     let outer = |rng: &mut Rng| {
         let inward = 1 << rng.below(24);
@@ -191,9 +230,9 @@ pub fn outermost(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
 }
 
 /// Slivers of aspect 10^6, some with two corners a single step apart.
-pub fn slivers(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
+pub fn slivers(rng: &mut Rng, samples: SampleGrid) -> Scene {
     let extent = REACH / 2;
-    let light = light(rng, rows, columns, IVec3::ZERO, extent / 2);
+    let light = light(rng, samples, IVec3::ZERO, extent / 2);
     let mut mesh = Mesh::default();
     for _ in 0..rng.below(60) {
         let (a, b) = (rng.point(extent), rng.point(extent));
@@ -205,9 +244,9 @@ pub fn slivers(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
 }
 
 /// Triangles without area: points, segments, corners on one line; and a few real ones, duplicated.
-pub fn zero_area(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
+pub fn zero_area(rng: &mut Rng, samples: SampleGrid) -> Scene {
     let extent = 1 << (12 + rng.below(16));
-    let light = light(rng, rows, columns, IVec3::ZERO, extent);
+    let light = light(rng, samples, IVec3::ZERO, extent);
     let mut mesh = Mesh::default();
     for _ in 0..rng.below(40) {
         let (a, d) = (rng.point(extent), rng.point(extent / 8));
@@ -228,18 +267,19 @@ pub fn zero_area(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
 
 /// Everything on a grid of a few points: samples in edge planes, receivers on vertices and edges and in planes, planes
 /// that hold the light, all the time.
-pub fn coarse_grid(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
-    let unit = 64 << rng.below(16);
+pub fn coarse_grid(rng: &mut Rng, samples: SampleGrid) -> Scene {
+    let SampleGrid { rows, columns, jitter } = samples;
+    let unit = samples.least() << rng.below(if jitter.is_some() { 12 } else { 16 });
     let reach = 6;
     let node = |rng: &mut Rng| rng.point(reach) * unit;
     let light = loop {
         // Steps are a half, a quarter … of the unit, where they may be.
-        let finer = (unit >> rng.below(4)).max(64);
+        let finer = (unit >> rng.below(4)).max(samples.least());
         let (u, v) = (rng.point(1) * finer, rng.point(2) * finer);
         let half = (u * (columns as i32 / 2) + v * (rows as i32 / 2)) / unit * unit;
         let far = half.abs().max_element();
         if u != IVec3::ZERO && v != IVec3::ZERO && !parallel(u, v) && far < REACH / 4 {
-            break LatticeLight { origin: node(rng) - half, step_u: u, step_v: v, rows, columns };
+            break LatticeLight { origin: node(rng) - half, step_u: u, step_v: v, rows, columns, jitter };
         }
     };
     let mut mesh = Mesh::default();
@@ -254,12 +294,13 @@ pub fn coarse_grid(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
 }
 
 /// Triangles in the light's plane, in planes through rows and columns of the light, and in planes through receivers.
-pub fn in_planes(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
+pub fn in_planes(rng: &mut Rng, samples: SampleGrid) -> Scene {
     let extent = 1 << (16 + rng.below(10));
-    let light = light(rng, rows, columns, IVec3::ZERO, extent);
+    let light = light(rng, samples, IVec3::ZERO, extent);
     let mut mesh = Mesh::default();
     let mut seen = Vec::new();
-    let sample = |rng: &mut Rng| light.sample(rng.below(rows as usize) as u32, rng.below(columns as usize) as u32);
+    let sample =
+        |rng: &mut Rng| light.sample(rng.below(light.rows as usize) as u32, rng.below(light.columns as usize) as u32);
     for _ in 0..rng.below(30) {
         let p = rng.point(extent);
         seen.push(p);
@@ -281,9 +322,9 @@ pub fn in_planes(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
 }
 
 /// Closed meshes, smooth and jagged: boxes and spheres, some around receivers, some around the light.
-pub fn closed_meshes(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
+pub fn closed_meshes(rng: &mut Rng, samples: SampleGrid) -> Scene {
     let extent = 1 << (14 + rng.below(13));
-    let light = light(rng, rows, columns, IVec3::ZERO, extent);
+    let light = light(rng, samples, IVec3::ZERO, extent);
     let mut mesh = Mesh::default();
     for _ in 0..1 + rng.below(3) {
         let (at, size) = (rng.point(extent), 64 + rng.around(extent / 2).abs());
@@ -299,13 +340,13 @@ pub fn closed_meshes(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
 }
 
 /// Triangles through the light's plane, through the receivers, behind the light.
-pub fn across_planes(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
+pub fn across_planes(rng: &mut Rng, samples: SampleGrid) -> Scene {
     let extent = 1 << (14 + rng.below(13));
-    let light = light(rng, rows, columns, IVec3::ZERO, extent / 2);
+    let light = light(rng, samples, IVec3::ZERO, extent / 2);
     let normal = light.step_u.as_dvec3().cross(light.step_v.as_dvec3()).normalize();
     let mut mesh = Mesh::default();
     for _ in 0..rng.below(24) {
-        let s = light.sample(rng.below(rows as usize) as u32, rng.below(columns as usize) as u32);
+        let s = light.sample(rng.below(light.rows as usize) as u32, rng.below(light.columns as usize) as u32);
         let reach = extent >> rng.below(10);
         let off = |rng: &mut Rng, side: f64| s + rng.point(reach) + (normal * side * f64::from(reach)).as_ivec3();
         let sides = rng.pick(&[[1.0, 1.0, -1.0], [1.0, -1.0, -1.0], [-2.0, -2.0, -3.0], [0.0, 1.0, -1.0], [2.0; 3]]);
@@ -316,10 +357,10 @@ pub fn across_planes(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
 }
 
 /// A room with the light inside, and boxes standing on its floor.
-pub fn interior(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
+pub fn interior(rng: &mut Rng, samples: SampleGrid) -> Scene {
     let size = 1 << (16 + rng.below(10));
     let mut mesh = cuboid(IVec3::splat(-size), IVec3::splat(size));
-    let light = light(rng, rows, columns, IVec3::ZERO, size / 2);
+    let light = light(rng, samples, IVec3::ZERO, size / 2);
     for _ in 0..1 + rng.below(6) {
         let (w, h) = (size / 16 + rng.around(size / 32), size / 4 + rng.around(size / 5));
         let at = IVec3::new(rng.around(size - 2 * w), -size, rng.around(size - 2 * w));
@@ -329,9 +370,9 @@ pub fn interior(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
 }
 
 /// Hundreds or thousands of small triangles, in clusters: what an index has to sort.
-pub fn crowd(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
+pub fn crowd(rng: &mut Rng, samples: SampleGrid) -> Scene {
     let extent = 1 << (18 + rng.below(9));
-    let light = light(rng, rows, columns, IVec3::ZERO, extent / 2);
+    let light = light(rng, samples, IVec3::ZERO, extent / 2);
     let mut mesh = Mesh::default();
     // Now and then so many that a hierarchy of sixteens has four levels.
     let many = if rng.one_in(6) { 20 } else { 1 };
@@ -346,9 +387,9 @@ pub fn crowd(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
 }
 
 /// Large triangles that cover all of the light from most receivers, or all but a row, a column or a corner of it.
-pub fn full_coverage(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
+pub fn full_coverage(rng: &mut Rng, samples: SampleGrid) -> Scene {
     let extent = 1 << (16 + rng.below(10));
-    let light = light(rng, rows, columns, IVec3::ZERO, extent);
+    let light = light(rng, samples, IVec3::ZERO, extent);
     let mut mesh = Mesh::default();
     let mut seen = Vec::new();
     for _ in 0..1 + rng.below(8) {
@@ -363,7 +404,7 @@ pub fn full_coverage(rng: &mut Rng, rows: u32, columns: u32) -> Scene {
             let p = p.as_dvec3();
             clamp((p + (l - p) * 0.5).round().as_ivec3())
         };
-        let (r, c) = (rows as i32, columns as i32);
+        let (r, c) = (samples.rows as i32, samples.columns as i32);
         mesh.add_triangle([at(-1, -1), at(-1, 2 * c + 1), at(2 * r + 1, -1)]);
     }
     let mut scene = finish(rng, light, mesh, IVec3::ZERO, extent);

@@ -26,6 +26,10 @@ use crate::{
 pub trait Subject {
     /// What it is called in reports.
     fn name(&self) -> String;
+    /// Whether it takes jittered samples.
+    fn jitters(&self) -> bool {
+        true
+    }
     /// The masks of all receivers, receiver-major, a word per row of the light.
     ///
     /// # Errors
@@ -43,6 +47,7 @@ pub trait Subject {
 pub struct Cpu {
     executor: CpuExecutor,
     name: String,
+    grid: bool,
 }
 
 impl Cpu {
@@ -50,7 +55,7 @@ impl Cpu {
     pub fn new(threads: usize, isa: Isa) -> Self {
         let executor = CpuExecutor::new().with_isa(isa).with_threads(threads).expect("threads can be started");
         assert_eq!(executor.isa(), isa, "the processor has the instruction set that is tested");
-        Self { executor, name: format!("cpu, {threads} threads, {isa}") }
+        Self { executor, name: format!("cpu, {threads} threads, {isa}"), grid: false }
     }
 }
 
@@ -66,13 +71,21 @@ impl Cpu {
     /// All triangles one by one.
     #[must_use]
     pub fn by_triangles(self) -> Self {
-        Self { executor: self.executor.with_index(Index::Hierarchy), name: format!("{}, by triangles", self.name) }
+        Self {
+            executor: self.executor.with_index(Index::Hierarchy),
+            name: format!("{}, by triangles", self.name),
+            ..self
+        }
     }
 
     /// Edges of the silhouette, however many there are.
     #[must_use]
     pub fn by_silhouette(self) -> Self {
-        Self { executor: self.executor.with_index(Index::Silhouette), name: format!("{}, by silhouette", self.name) }
+        Self {
+            executor: self.executor.with_index(Index::Silhouette),
+            name: format!("{}, by silhouette", self.name),
+            ..self
+        }
     }
 }
 
@@ -94,13 +107,17 @@ impl Cpu {
 
     fn with_grid(self, options: GridOptions) -> Self {
         let name = format!("{}, {options:?}", self.name);
-        Self { executor: self.executor.with_index(Index::Grid(options)), name }
+        Self { executor: self.executor.with_index(Index::Grid(options)), name, grid: true }
     }
 }
 
 impl Subject for Cpu {
     fn name(&self) -> String {
         self.name.clone()
+    }
+
+    fn jitters(&self) -> bool {
+        !self.grid
     }
 
     fn masks<W: CpuWord>(&self, inputs: &Inputs) -> Result<Vec<W>, String> {
@@ -138,6 +155,7 @@ impl SerialSubject {
             visibility,
             block: self.block,
             index: IndexKind::Hierarchy,
+            jittered: inputs.light.jitter.is_some(),
         });
         let mut masks = vec![W::EMPTY; points.len() * inputs.light.rows as usize];
         let mut fractions = vec![f32::NAN; if visibility { points.len() } else { 0 }];
@@ -262,8 +280,11 @@ pub fn property<W: CpuWord>(subject: &impl Subject, word: &str, name: &str, bits
     let mut total = Compared::default();
     let mut round = 0;
     while total.bits < bits {
-        let (rows, columns) = scenes::grid(&mut rng, W::BITS);
-        let scene = generator(&mut rng, rows, columns);
+        let mut samples = scenes::grid(&mut rng, W::BITS);
+        if subject.jitters() && round % 3 == 2 {
+            samples = samples.jittered(&mut rng);
+        }
+        let scene = generator(&mut rng, samples);
         let inputs = scene.inputs(EXPONENTS[round % EXPONENTS.len()]);
         // Asking for visibility computes everything again: one scene in eight.
         let visibility = if round % 8 == 0 { Visibility::Compared } else { Visibility::Left };

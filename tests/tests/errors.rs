@@ -1,7 +1,7 @@
 //! Every error is the right one and names what is wrong: the index or field, and the value.
 
 use umbra4_core::{
-    AreaLight, Bounds, Lattice, LatticeError, LatticeLight, Lift, LightError, SnapError,
+    AreaLight, Bounds, Jitter, Lattice, LatticeError, LatticeLight, Lift, LightError, SnapError,
     glam::{DVec3, IVec3, Vec3},
 };
 use umbra4_cpu::{CpuExecutor, ExecutorError, GridOptions, Index, Occluders, Receivers, SceneError};
@@ -239,6 +239,7 @@ fn words_too_narrow() {
         step_v: IVec3::Z * 64,
         rows: 2,
         columns,
+        jitter: Jitter::NONE,
     };
     let receivers = Receivers::raw(&lattice(), &[Vec3::ZERO]).expect("receivers are fine");
     let (executor, occluders) = (CpuExecutor::new(), Occluders::default());
@@ -259,6 +260,7 @@ fn grids_that_cannot_be() {
         step_v: IVec3::Z * 64,
         rows: 2,
         columns: 2,
+        jitter: Jitter::NONE,
     };
     let receivers = Receivers::raw(&lattice(), &[Vec3::ZERO]).expect("receivers are fine");
     let run = |cells| {

@@ -94,8 +94,8 @@ fn no_relevant_pair_is_lost_by_cells() {
     let mut total = [0; 5];
     for round in 0..180 {
         let (name, generator) = GENERATORS[round % GENERATORS.len()];
-        let (rows, columns) = grid(&mut rng, 64);
-        let mut scene = generator(&mut rng, rows, columns);
+        let samples = grid(&mut rng, 64);
+        let mut scene = generator(&mut rng, samples);
         scene.mesh.triangles.truncate(120);
         let cells = rng.pick(&[[128, 128], [1, 1], [5, 64], [4096, 4096]]);
         let found = cells_lose_no_pair(name, &scene, cells);

@@ -6,7 +6,7 @@ use umbra4_tests::{
     oracle::{oracle_bit, oracle_masks},
     rng::Rng,
     scene::Scene,
-    scenes::{GENERATORS, grid},
+    scenes::{GENERATORS, SampleGrid, grid},
 };
 
 struct Bit<'a> {
@@ -28,8 +28,12 @@ fn for_bits(name: &str, bits: usize, each: usize, most_triangles: usize, mut che
     let (mut seen, mut set) = (0, 0);
     while seen < bits {
         for (_, generator) in GENERATORS {
-            let (rows, columns) = grid(&mut rng, 64);
-            let mut scene = generator(&mut rng, rows, columns);
+            let mut samples = grid(&mut rng, 64);
+            if rng.one_in(3) {
+                samples = samples.jittered(&mut rng);
+            }
+            let SampleGrid { rows, columns, .. } = samples;
+            let mut scene = generator(&mut rng, samples);
             scene.mesh.triangles.truncate(most_triangles);
             let triangles = corners(&scene);
             let masks = oracle_masks(&scene.light, &scene.receivers, &triangles);

@@ -20,7 +20,7 @@ use umbra4_tests::{
     oracle::oracle_mask,
     rng::Rng,
     scene::Inputs,
-    scenes::{EXPONENTS, GENERATORS, grid, world},
+    scenes::{EXPONENTS, GENERATORS, SampleGrid, grid, world},
 };
 
 /// Largest share of the bits that `fast` may differ in on a realistic scene. Measured: 2·10^-7.
@@ -105,7 +105,7 @@ fn fast_fails_on_the_scenes_of_the_suite() {
         let (_, generator) = GENERATORS.iter().find(|(n, _)| *n == name).expect("a generator has this name");
         let (mut bits, mut differing) = (0, 0);
         for _ in 0..100 {
-            let inputs = generator(&mut rng, 16, 16).inputs(0);
+            let inputs = generator(&mut rng, SampleGrid::regular(16, 16)).inputs(0);
             let (masks, _) =
                 fast.masks::<u16>(&inputs.occluders, &inputs.light, &inputs.receivers).expect("the word fits");
             let expected = inputs.oracle();
@@ -126,8 +126,12 @@ fn no_relevant_pair_is_dropped() {
     let (mut relevant, mut kept, mut pairs) = (0_u64, 0_u64, 0_u64);
     for round in 0..150 {
         let (name, generator) = GENERATORS[round % GENERATORS.len()];
-        let (rows, columns) = grid(&mut rng, 64);
-        let mut scene = generator(&mut rng, rows, columns);
+        let mut samples = grid(&mut rng, 64);
+        if rng.one_in(3) {
+            samples = samples.jittered(&mut rng);
+        }
+        let rows = samples.rows;
+        let mut scene = generator(&mut rng, samples);
         scene.mesh.triangles.truncate(120);
         let frame = LightFrame::new(&scene.light);
         let mut mask = vec![0; rows as usize];
@@ -182,6 +186,7 @@ fn the_serial_executor_snaps_as_the_host_does() {
             visibility: false,
             block: 100,
             index: IndexKind::Hierarchy,
+            jittered: false,
         });
         let (mut snapped_vertices, mut snapped_receivers) =
             (vec![Default::default(); vertices], vec![Default::default(); receivers]);
@@ -218,7 +223,7 @@ fn the_scale_of_the_world_changes_no_bit() {
     let mut rng = Rng::named(0, "scale");
     let executor = CpuExecutor::new();
     for (name, generator) in GENERATORS {
-        let scene = generator(&mut rng, 16, 16);
+        let scene = generator(&mut rng, SampleGrid::regular(16, 16));
         let masks = EXPONENTS.map(|k| {
             let inputs = scene.inputs(k);
             executor.masks::<u16>(&inputs.occluders, &inputs.light, &inputs.receivers).expect("the word fits").0

@@ -1,7 +1,7 @@
 //! The silhouette of meshes: what is looked at for it, and that it is the same however the mesh is stored. (Its bits are compared
 //! with the oracle in `conformance.rs`.)
 
-use umbra4_core::{Counts, LatticeLight, glam::IVec3};
+use umbra4_core::{Counts, Jitter, LatticeLight, glam::IVec3};
 use umbra4_cpu::{CpuExecutor, Index};
 use umbra4_tests::{
     compare::{Amount, compare_masks},
@@ -24,6 +24,7 @@ fn ball() -> Scene {
         step_v: IVec3::new(0, 0, step),
         rows: SIDE,
         columns: SIDE,
+        jitter: Jitter::NONE,
     };
     let receivers = (0..2000).map(|_| rng.point(HEIGHT / 2) * IVec3::new(1, 0, 1)).collect();
     let size = f64::from(HEIGHT / 8);

@@ -8,6 +8,7 @@ use umbra4_core::{
     Executor, IndexKind, Pass, Plan, SceneFacts,
     edge_plane::LightGrid,
     glam::IVec3,
+    jitter::Pattern,
     kernel::{
         Access, Kernel,
         dispatch::{Dispatch, MaskLayout, Role, counters, dispatches},
@@ -15,7 +16,7 @@ use umbra4_core::{
         resolve::stride,
     },
     order::CodeFrame,
-    params::{Params, PassParams},
+    params::{JitteredParams, Params, PassParams},
     proj4::{KeyTile, Keys, covers},
 };
 use umbra4_tests::{
@@ -29,7 +30,7 @@ use umbra4_tests::{
 };
 use umbra4_wgpu::Gpu;
 
-const SEEDS: u64 = 3;
+const SEEDS: u64 = 4;
 /// Fewer receivers than most scenes have, so that blocks are tested as well.
 const BLOCK: u32 = 96;
 
@@ -38,6 +39,7 @@ struct Lockstep<'a> {
     plan: &'a Plan,
     layout: MaskLayout,
     params: Params,
+    pattern: Pattern,
     device: &'a mut OnDevice,
     buffers: HashMap<Role, Vec<u32>>,
     /// What the device made of the keys.
@@ -79,12 +81,23 @@ impl<'a> Lockstep<'a> {
             words(Role::LitCounts, 1, receivers),
         ]);
         let device_keys = HashMap::from([(Role::TriangleKeys, Vec::new()), (Role::ReceiverKeys, Vec::new())]);
-        Self { plan, layout, params, device, buffers, device_keys, masks: Vec::new(), compared: HashMap::new() }
+        let pattern = Pattern::of(&inputs.light);
+        Self {
+            plan,
+            layout,
+            params,
+            pattern,
+            device,
+            buffers,
+            device_keys,
+            masks: Vec::new(),
+            compared: HashMap::new(),
+        }
     }
 
     fn step(&mut self, dispatch: &Dispatch<'_>) -> Result<(), String> {
         let Dispatch { kernel, pass, roles } = *dispatch;
-        let params = self.params.with_pass(&pass);
+        let params = JitteredParams { params: self.params.with_pass(&pass), pattern: self.pattern };
         let mut host: Vec<Vec<u32>> = roles.iter().map(|role| self.buffers[role].clone()).collect();
         let mut device = host.clone();
         self.device.run(kernel, &params, &mut device);
@@ -136,14 +149,15 @@ fn keys(words: &[u32]) -> Vec<Keys> {
 /// The device's keys keep every pair that the oracle finds relevant.
 fn check_coverage(inputs: &Inputs, triangle_keys: &[Keys], receiver_keys: &[Keys]) -> Result<usize, String> {
     let light = &inputs.light;
+    let pairs = (0..light.rows).flat_map(|i| (0..light.columns).map(move |j| (i, j)));
+    let samples: Vec<IVec3> = pairs.map(|(i, j)| light.sample(i, j)).collect();
     let mut relevant = 0;
     for (r, &p) in inputs.receivers.points().iter().enumerate() {
         if behind(light, p) {
             continue;
         }
         for (t, &corners) in inputs.triangles().iter().enumerate() {
-            let blocks = (0..light.rows).any(|i| (0..light.columns).any(|j| hit(p, light.sample(i, j), corners)));
-            if blocks {
+            if samples.iter().any(|&sample| hit(p, sample, corners)) {
                 relevant += 1;
                 if !covers(&triangle_keys[t], &receiver_keys[r]) {
                     return Err(format!("triangle {t} blocks receiver {r}, but is not kept: {p}, {corners:?}"));
@@ -171,19 +185,27 @@ fn every_kernel_alone(gpu: &Gpu, generator: usize) -> Result<(), Failed> {
     let (mut relevant, mut words) = (0, 0);
     for seed in 0..SEEDS {
         let mut rng = Rng::named(seed, name);
-        let (rows, columns) = scenes::grid(&mut rng, [16, 32, 64][seed as usize % 3]);
-        let inputs = generate(&mut rng, rows, columns).inputs(EXPONENTS[seed as usize % EXPONENTS.len()]);
+        let mut samples = scenes::grid(&mut rng, [16, 32, 64][seed as usize % 3]);
+        if seed >= 2 {
+            samples = samples.jittered(&mut rng);
+        }
+        let inputs = generate(&mut rng, samples).inputs(EXPONENTS[seed as usize % EXPONENTS.len()]);
         let bits = match inputs.light.columns {
             ..=16 => 16,
             17..=32 => 32,
             _ => 64,
         };
         let counted = seed % 2 == 1;
-        let resolve = match (bits, counted) {
-            (..=32, false) => Kernel::Resolve32Exact,
-            (..=32, true) => Kernel::Resolve32ExactCounted,
-            (_, false) => Kernel::Resolve64Exact,
-            (_, true) => Kernel::Resolve64ExactCounted,
+        let jittered = inputs.light.jitter.is_some();
+        let resolve = match (bits, jittered, counted) {
+            (..=32, false, false) => Kernel::Resolve32Exact,
+            (..=32, false, true) => Kernel::Resolve32ExactCounted,
+            (..=32, true, false) => Kernel::Resolve32ExactJittered,
+            (..=32, true, true) => Kernel::Resolve32ExactJitteredCounted,
+            (_, false, false) => Kernel::Resolve64Exact,
+            (_, false, true) => Kernel::Resolve64ExactCounted,
+            (_, true, false) => Kernel::Resolve64ExactJittered,
+            (_, true, true) => Kernel::Resolve64ExactJitteredCounted,
         };
         let layout = MaskLayout { resolve, stride: stride(inputs.light.rows, bits), counted, slice: 256 };
         let plan = Plan::new(SceneFacts {
@@ -194,6 +216,7 @@ fn every_kernel_alone(gpu: &Gpu, generator: usize) -> Result<(), Failed> {
             visibility: true,
             block: BLOCK,
             index: IndexKind::Hierarchy,
+            jittered,
         });
         let mut lockstep = Lockstep::new(&plan, layout, &inputs, &mut device);
         plan.run(&mut lockstep).map_err(|error| format!("seed {seed}: {error}"))?;
@@ -238,6 +261,7 @@ fn every_integer_helper(gpu: &Gpu) -> Result<(), Failed> {
         }
         let pass = PassParams { count: PROBES as u32, shift: helper as u32, ..PassParams::default() };
         let params = <Params as bytemuck::Zeroable>::zeroed().with_pass(&pass);
+        let params = JitteredParams { params, ..bytemuck::Zeroable::zeroed() };
         let mut host = [words.clone(), vec![0; OUT * PROBES]];
         let mut got = host.clone();
         on_host(Kernel::Probe, &params, &mut host);

@@ -3,6 +3,7 @@
 use crate::{
     edge_plane::Occluder,
     hierarchy::Root,
+    jitter::Samples,
     kernel::{fetch, point, store},
     mask_word::{MaskWord, PairWord},
     order::Entry,
@@ -81,9 +82,10 @@ pub type ReceiverCounts = [u32; 4];
 /// rounds together, silently. So a last loop asks whether loops still run; where they do not, the last word of `masks`, which
 /// belongs to no mask, is set.
 #[inline(always)]
-pub fn resolve<W: DeviceWord, P: PrecisionMode>(
+pub fn resolve<W: DeviceWord, P: PrecisionMode, S: Samples>(
     id: usize,
     params: &Params,
+    samples: &S,
     receivers: &[[i32; 3]],
     keys: &[Keys],
     order: &[Entry],
@@ -118,7 +120,7 @@ pub fn resolve<W: DeviceWord, P: PrecisionMode>(
         k = 0;
     }
     let root = Root { level: pass.level as usize, tile: pass.base };
-    resolve_among::<f32, W, P>(&grid, &levels, root, nodes, occluders, &mut group);
+    resolve_among::<f32, W, P, S>(&grid, samples, &levels, root, nodes, occluders, &mut group);
     while k < pass.stride as usize {
         store(masks, index * pass.stride as usize + k, W::stored(&group.masks[0], rows, k, halves));
         k += 1;
@@ -137,9 +139,10 @@ pub fn resolve<W: DeviceWord, P: PrecisionMode>(
 
 /// As [`resolve`], and writes the counts.
 #[inline(always)]
-pub fn resolve_counted<W: DeviceWord, P: PrecisionMode>(
+pub fn resolve_counted<W: DeviceWord, P: PrecisionMode, S: Samples>(
     id: usize,
     params: &Params,
+    samples: &S,
     receivers: &[[i32; 3]],
     keys: &[Keys],
     order: &[Entry],
@@ -148,7 +151,7 @@ pub fn resolve_counted<W: DeviceWord, P: PrecisionMode>(
     masks: &mut [u32],
     counts: &mut [ReceiverCounts],
 ) {
-    let (index, own) = resolve::<W, P>(id, params, receivers, keys, order, occluders, nodes, masks);
+    let (index, own) = resolve::<W, P, S>(id, params, samples, receivers, keys, order, occluders, nodes, masks);
     let before = if params.pass().base > 0 { fetch(counts, index, [0; 4]) } else { [0; 4] };
     let sums = [before[0] + own[0], before[1] + own[1], before[2] + own[2], before[3] + own[3]];
     store(counts, index, sums);

@@ -39,6 +39,22 @@ pub enum Kernel {
     Resolve64ExactCounted,
     /// The same, plain f32.
     Resolve64FastCounted,
+    /// [`Kernel::Resolve32Exact`], of jittered samples.
+    Resolve32ExactJittered,
+    /// [`Kernel::Resolve32Fast`], of jittered samples.
+    Resolve32FastJittered,
+    /// [`Kernel::Resolve64Exact`], of jittered samples.
+    Resolve64ExactJittered,
+    /// [`Kernel::Resolve64Fast`], of jittered samples.
+    Resolve64FastJittered,
+    /// [`Kernel::Resolve32ExactCounted`], of jittered samples.
+    Resolve32ExactJitteredCounted,
+    /// [`Kernel::Resolve32FastCounted`], of jittered samples.
+    Resolve32FastJitteredCounted,
+    /// [`Kernel::Resolve64ExactCounted`], of jittered samples.
+    Resolve64ExactJitteredCounted,
+    /// [`Kernel::Resolve64FastCounted`], of jittered samples.
+    Resolve64FastJitteredCounted,
     /// [`super::reduce`].
     Reduce,
     /// [`super::pack`].
@@ -81,6 +97,8 @@ pub enum Kernel {
 pub enum ParamsKind {
     /// [`crate::params::Params`]
     Light,
+    /// [`crate::params::JitteredParams`]
+    JitteredLight,
     /// [`crate::mesh::MeshParams`]
     Mesh,
     /// [`crate::gbuffer::ViewParams`]
@@ -92,6 +110,7 @@ impl ParamsKind {
     pub const fn size(self) -> usize {
         match self {
             Self::Light => size_of::<crate::params::Params>(),
+            Self::JitteredLight => size_of::<crate::params::JitteredParams>(),
             Self::Mesh => size_of::<crate::mesh::MeshParams>(),
             Self::View => size_of::<crate::gbuffer::ViewParams>(),
         }
@@ -224,6 +243,10 @@ const fn line(kernel: Kernel, name: &'static str, stage: Stage, bound: &'static 
     KernelInfo { kernel, name, stage, params: ParamsKind::Light, bound }
 }
 
+const fn jittered(kernel: Kernel, name: &'static str, bound: &'static [Bound]) -> KernelInfo {
+    KernelInfo { kernel, name, stage: Stage::Resolve, params: ParamsKind::JitteredLight, bound }
+}
+
 const fn mesh(kernel: Kernel, name: &'static str, bound: &'static [Bound]) -> KernelInfo {
     KernelInfo { kernel, name, stage: Stage::SnapVertices, params: ParamsKind::Mesh, bound }
 }
@@ -258,7 +281,7 @@ const OWNED_DEPTHS: &[Bound] = &owned(texture(Slot::Depths), texture(Slot::Norma
 const OWNED_DEPTH_SAMPLES: &[Bound] = &owned(samples(Slot::Depths), samples(Slot::Normals), Access::IdSamples);
 
 /// All kernels.
-pub const TABLE: [KernelInfo; 33] = [
+pub const TABLE: [KernelInfo; 41] = [
     line(
         Kernel::KeyTriangles,
         "key_triangles",
@@ -302,6 +325,14 @@ pub const TABLE: [KernelInfo; 33] = [
     line(Kernel::Resolve32FastCounted, "resolve_32_fast_counted", Stage::Resolve, RESOLVE_COUNTED),
     line(Kernel::Resolve64ExactCounted, "resolve_64_exact_counted", Stage::Resolve, RESOLVE_COUNTED),
     line(Kernel::Resolve64FastCounted, "resolve_64_fast_counted", Stage::Resolve, RESOLVE_COUNTED),
+    jittered(Kernel::Resolve32ExactJittered, "resolve_32_exact_jittered", RESOLVE),
+    jittered(Kernel::Resolve32FastJittered, "resolve_32_fast_jittered", RESOLVE),
+    jittered(Kernel::Resolve64ExactJittered, "resolve_64_exact_jittered", RESOLVE),
+    jittered(Kernel::Resolve64FastJittered, "resolve_64_fast_jittered", RESOLVE),
+    jittered(Kernel::Resolve32ExactJitteredCounted, "resolve_32_exact_jittered_counted", RESOLVE_COUNTED),
+    jittered(Kernel::Resolve32FastJitteredCounted, "resolve_32_fast_jittered_counted", RESOLVE_COUNTED),
+    jittered(Kernel::Resolve64ExactJitteredCounted, "resolve_64_exact_jittered_counted", RESOLVE_COUNTED),
+    jittered(Kernel::Resolve64FastJitteredCounted, "resolve_64_fast_jittered_counted", RESOLVE_COUNTED),
     line(Kernel::Reduce, "reduce", Stage::Reduce, &[read(Slot::Masks), write(Slot::LitCounts)]),
     line(
         Kernel::Pack,

@@ -10,6 +10,8 @@ use crate::{
     doubt::PairIntegers,
     edge_plane::{LightGrid, Lines, Occluder, PairPlanes, ReceiverTile},
     hierarchy::{Levels, Root, Walk},
+    jitter::{Regular, Samples},
+    jittered_rows::{self, Limits},
     lanes::{Lanes, TILE},
     light::LatticeLight,
     mask_word::MaskWord,
@@ -140,15 +142,20 @@ impl<W> Group<W> {
 
 /// Fills the masks of a group.
 #[inline(always)]
-pub fn resolve<L: Lanes, W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
+pub fn resolve<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples>(
+    scene: &Occlusion<'_>,
+    samples: &S,
+    group: &mut Group<W>,
+) {
     let Occlusion { grid, levels, nodes, occluders } = scene;
-    resolve_among::<L, W, P>(grid, levels, Root::top(levels), nodes, occluders, group);
+    resolve_among::<L, W, P, S>(grid, samples, levels, Root::top(levels), nodes, occluders, group);
 }
 
 /// As [`resolve`], with the triangles below `root`. (On a GPU no structure holds slices.)
 #[inline(always)]
-pub fn resolve_among<L: Lanes, W: MaskWord, P: PrecisionMode>(
+pub fn resolve_among<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples>(
     grid: &LightGrid,
+    samples: &S,
     levels: &Levels,
     root: Root,
     nodes: &[KeyTile],
@@ -156,15 +163,16 @@ pub fn resolve_among<L: Lanes, W: MaskWord, P: PrecisionMode>(
     group: &mut Group<W>,
 ) {
     if group.active != 0 {
-        descend::<L, W, P>(grid, levels, root, nodes, occluders, group);
+        descend::<L, W, P, S>(grid, samples, levels, root, nodes, occluders, group);
     }
     group.sum_relevant();
 }
 
 /// Walks the hierarchy until no node is left, or no receiver.
 #[inline(always)]
-pub(crate) fn descend<L: Lanes, W: MaskWord, P: PrecisionMode>(
+pub(crate) fn descend<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples>(
     grid: &LightGrid,
+    samples: &S,
     levels: &Levels,
     root: Root,
     nodes: &[KeyTile],
@@ -195,7 +203,7 @@ pub(crate) fn descend<L: Lanes, W: MaskWord, P: PrecisionMode>(
             if place >= occluders.len() {
                 return;
             }
-            meeting.meet::<L, W, P>(grid, &occluders[place], kept, group);
+            meeting.meet::<L, W, P, S>(grid, samples, &occluders[place], kept, group);
         }
         drop_full(grid.light.columns, group);
         if group.active == 0 {
@@ -235,9 +243,10 @@ impl<R: Real> Meeting<R> {
 
     /// One triangle against the receivers in `kept`: rows at once.
     #[inline(always)]
-    pub fn meet<L: Lanes<Long = R>, W: MaskWord, P: PrecisionMode>(
+    pub fn meet<L: Lanes<Long = R>, W: MaskWord, P: PrecisionMode, S: Samples>(
         &mut self,
         grid: &LightGrid,
+        samples: &S,
         occluder: &Occluder,
         kept: u32,
         group: &mut Group<W>,
@@ -245,15 +254,15 @@ impl<R: Real> Meeting<R> {
         let Self { view, three, four } = self;
         if TILE == 1 {
             // One code for both: a kernel of half the size.
-            four.meet::<L, W, P>(grid, view, occluder, occluder.is_mixed(), kept, group);
+            four.meet::<L, W, P, S>(grid, samples, view, occluder, occluder.is_mixed(), kept, group);
         } else if occluder.is_mixed() {
-            four.meet::<L, W, P>(grid, view, occluder, true, kept, group);
+            four.meet::<L, W, P, S>(grid, samples, view, occluder, true, kept, group);
         } else {
-            three.meet::<L, W, P>(grid, view, occluder, false, kept, group);
+            three.meet::<L, W, P, S>(grid, samples, view, occluder, false, kept, group);
         }
     }
 
-    /// As [`Meeting::meet`], one light sample at a time. For measurements: the bits are the same.
+    /// As [`Meeting::meet`], one light sample at a time, of regular samples. For measurements: the bits are the same.
     #[inline(always)]
     pub fn meet_bits<L: Lanes<Long = R>, W: MaskWord, P: PrecisionMode>(
         &mut self,
@@ -289,9 +298,10 @@ impl<const E: usize> Room<E> {
     /// One triangle against the receivers in `kept`: by its outline, and where that says nothing by its planes. `mixed` tells
     /// whether its own plane is one of them (a constant, where the room has no other use).
     #[inline(always)]
-    fn meet<L: Lanes, W: MaskWord, P: PrecisionMode>(
+    fn meet<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples>(
         &mut self,
         grid: &LightGrid,
+        samples: &S,
         view: &View<L::Long>,
         occluder: &Occluder,
         mixed: bool,
@@ -300,10 +310,10 @@ impl<const E: usize> Room<E> {
     ) {
         let Self { outlines, lines } = self;
         let planes = 3 + mixed as usize;
-        let Seen { mut outlined, unknown } = outlines.outline::<L, P>(grid, view, occluder, mixed, kept);
+        let Seen { mut outlined, unknown } = outlines.outline::<L, P, S>(grid, view, occluder, mixed, kept);
         if TILE > 1 {
             // What is taken over below lies in the same room. A single lane is either outlined or unknown.
-            fill_outlines::<L, W, P, E>(grid, occluder, planes, outlined, outlines, group);
+            fill_outlines::<L, W, P, S, E>(grid, samples, occluder, planes, outlined, outlines, group);
             outlined = 0;
         }
         let mut alive = 0;
@@ -314,20 +324,21 @@ impl<const E: usize> Room<E> {
                 alive = found.lines::<L, P, E>(grid, &group.receivers, sides, mixed, lines);
             }
             if alive != 0 {
-                outlined |= outlines.take_over::<L, P>(lines, &grid.light, planes, alive);
+                outlined |= outlines.take_over::<L, P, S>(lines, &grid.light, planes, alive);
             }
         }
         if TILE == 1 || unknown != 0 {
-            fill_outlines::<L, W, P, E>(grid, occluder, planes, outlined, outlines, group);
-            fill_by_planes::<L, W, P, E>(grid, occluder, planes, alive & !outlined, lines, group);
+            fill_outlines::<L, W, P, S, E>(grid, samples, occluder, planes, outlined, outlines, group);
+            fill_by_planes::<L, W, P, S, E>(grid, samples, occluder, planes, alive & !outlined, lines, group);
         }
     }
 }
 
 /// The receivers in `outlined`, by lines with one band.
 #[inline(always)]
-fn fill_outlines<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
+fn fill_outlines<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples, const E: usize>(
     grid: &LightGrid,
+    samples: &S,
     occluder: &Occluder,
     planes: usize,
     mut outlined: u32,
@@ -338,10 +349,15 @@ fn fill_outlines<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
     while outlined != 0 {
         let lane = outlined.trailing_zeros() as usize % TILE;
         outlined &= outlined - 1;
+        if S::JITTERED {
+            let rows = [outlines.first[lane] as usize, outlines.count[lane] as usize];
+            fill_jittered::<L, W, P, S, _, E>(grid, samples, occluder, planes, lane, rows, outlines, group);
+            continue;
+        }
         let filled = row_mask::fill_outline::<L, W, P, E>(outlines, planes, lane, &ends, &mut group.masks[lane]);
         let mut relevant = filled.relevant;
         if P::CERTIFIED && filled.is_unsure() {
-            let mut pair = PairIntegers::new(&grid.light, &group.receivers, occluder, lane);
+            let mut pair = PairIntegers::new::<S>(&grid.light, &group.receivers, occluder, lane);
             relevant |=
                 row_mask::settle_outline(outlines, planes, lane, &mut pair, filled.unsure, &mut group.masks[lane]);
             group.counts.fallbacks += pair.fallbacks;
@@ -352,8 +368,9 @@ fn fill_outlines<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
 
 /// The receivers in `alive`, by the lines of a triangle's planes, each with its own doubt.
 #[inline(always)]
-fn fill_by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
+fn fill_by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples, const E: usize>(
     grid: &LightGrid,
+    samples: &S,
     occluder: &Occluder,
     planes: usize,
     mut alive: u32,
@@ -363,15 +380,45 @@ fn fill_by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
     while alive != 0 {
         let lane = alive.trailing_zeros() as usize % TILE;
         alive &= alive - 1;
+        if S::JITTERED {
+            let rows = [0, grid.light.rows as usize];
+            fill_jittered::<L, W, P, S, _, E>(grid, samples, occluder, planes, lane, rows, lines, group);
+            continue;
+        }
         let filled = row_mask::fill::<L, W, P, E>(lines, planes, lane, &grid.light, &mut group.masks[lane]);
         let mut relevant = filled.relevant;
         if P::CERTIFIED && filled.is_unsure() {
-            let mut pair = PairIntegers::new(&grid.light, &group.receivers, occluder, lane);
+            let mut pair = PairIntegers::new::<S>(&grid.light, &group.receivers, occluder, lane);
             relevant |= row_mask::settle_rows(lines, planes, lane, &mut pair, filled.unsure, &mut group.masks[lane]);
             group.counts.fallbacks += pair.fallbacks;
         }
         group.tell(lane, relevant);
     }
+}
+
+/// One receiver, in `rows` (the first, and how many), where samples are jittered.
+#[inline(always)]
+fn fill_jittered<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples, M: Limits, const E: usize>(
+    grid: &LightGrid,
+    samples: &S,
+    occluder: &Occluder,
+    planes: usize,
+    lane: usize,
+    rows: [usize; 2],
+    lines: &M,
+    group: &mut Group<W>,
+) {
+    let columns = grid.light.columns;
+    let mask = &mut group.masks[lane % TILE];
+    let filled = jittered_rows::fill::<L, W, P, S, M, E>(lines, planes, lane, rows, columns, samples, mask);
+    let mut relevant = filled.relevant;
+    if P::CERTIFIED && filled.is_unsure() {
+        let mut pair = PairIntegers::new::<S>(&grid.light, &group.receivers, occluder, lane);
+        let unsure = filled.unsure;
+        relevant |= jittered_rows::settle(lines, planes, lane, rows[0], unsure, columns, samples, &mut pair, mask);
+        group.counts.fallbacks += pair.fallbacks;
+    }
+    group.tell(lane, relevant);
 }
 
 /// As [`fill_by_planes`], one light sample at a time.
@@ -386,7 +433,7 @@ fn fill_bits_by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
     while alive != 0 {
         let lane = alive.trailing_zeros() as usize % TILE;
         alive &= alive - 1;
-        let mut pair = PairIntegers::new(&grid.light, &group.receivers, occluder, lane);
+        let mut pair = PairIntegers::new::<Regular>(&grid.light, &group.receivers, occluder, lane);
         let relevant = bit_mask::fill_bits::<L, W, P, E>(lines, lane, &mut pair, &mut group.masks[lane]);
         group.counts.fallbacks += pair.fallbacks;
         group.tell(lane, relevant);

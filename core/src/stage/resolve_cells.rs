@@ -6,6 +6,7 @@
 
 use crate::{
     edge_plane::{LightGrid, Occluder},
+    jitter::Regular,
     lanes::Lanes,
     mask_word::MaskWord,
     precision::PrecisionMode,
@@ -63,7 +64,7 @@ pub fn resolve_cell<L: Lanes, W: MaskWord, P: PrecisionMode>(
         }
         group.counts.pairs_kept += Tally::from(kept.count_ones());
         match scene.rows {
-            Rows::Words => meeting.meet::<L, W, P>(scene.grid, occluder, kept, group),
+            Rows::Words => meeting.meet::<L, W, P, Regular>(scene.grid, &Regular, occluder, kept, group),
             Rows::Bits => meeting.meet_bits::<L, W, P>(scene.grid, occluder, kept, group),
         }
     }

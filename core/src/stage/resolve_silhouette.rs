@@ -11,6 +11,7 @@ use crate::{
     edge_trace::{EdgeTrace, Seen, forget},
     frame::LightFrame,
     hierarchy::{Levels, Root, Walk},
+    jitter::Regular,
     lanes::{Lanes, TILE},
     mask_word::MaskWord,
     precision::PrecisionMode,
@@ -71,7 +72,7 @@ pub fn resolve_silhouette<L: Lanes, W: MaskWord, P: PrecisionMode>(
     let grid = scene.all.grid;
     if group.active != 0 {
         let Indexed { levels, nodes, things } = scene.mixed;
-        descend::<L, W, P>(grid, levels, Root::top(levels), nodes, things, group);
+        descend::<L, W, P, Regular>(grid, &Regular, levels, Root::top(levels), nodes, things, group);
     }
     let mut lost = 0;
     if group.active != 0 {
@@ -81,7 +82,7 @@ pub fn resolve_silhouette<L: Lanes, W: MaskWord, P: PrecisionMode>(
         group.counts.receivers_lost += Tally::from(lost.count_ones());
         group.active = lost;
         let Occlusion { levels, nodes, occluders, .. } = scene.all;
-        descend::<L, W, P>(grid, levels, Root::top(levels), nodes, occluders, group);
+        descend::<L, W, P, Regular>(grid, &Regular, levels, Root::top(levels), nodes, occluders, group);
     }
     group.sum_relevant();
 }

@@ -2,7 +2,10 @@
 
 use core::arch::x86_64::*;
 
-use umbra4_core::lanes::{Lanes, TILE};
+use umbra4_core::{
+    lanes::{Lanes, TILE, Table},
+    light::MAX_SAMPLES,
+};
 
 /// Sixteen f32 in two registers. Only kernels compiled for AVX2 and FMA use it, and those run only where it was detected.
 #[derive(Clone, Copy)]
@@ -13,7 +16,8 @@ pub struct Avx2(__m256, __m256);
 pub struct Pair(__m256i, __m256i);
 
 // SAFETY of every block below: the intrinsics need AVX2 and FMA, which `Isa::detect` has found before any kernel that uses this
-// type is called; loads and stores are unaligned and stay within arrays of sixteen.
+// type is called; loads and stores are unaligned and stay within arrays of sixteen;
+// gathers mask their indices to the table's length.
 macro_rules! intrinsics {
     ($e:expr) => {{
         // SAFETY: see the note above.
@@ -186,6 +190,17 @@ impl Lanes for Avx2 {
     fn integer_above(self, by: Self) -> u32 {
         let ceil = intrinsics!(Self(_mm256_ceil_ps(self.0), _mm256_ceil_ps(self.1)));
         Self::bits(by.ge(ceil.sub(self)))
+    }
+    #[inline(always)]
+    fn lookup(table: &Table, places: Pair) -> Self {
+        let table = table.as_flattened();
+        intrinsics!({
+            let last = _mm256_set1_epi32(MAX_SAMPLES as i32 - 1);
+            Self(
+                _mm256_i32gather_ps::<4>(table.as_ptr(), _mm256_and_si256(places.0, last)),
+                _mm256_i32gather_ps::<4>(table.as_ptr(), _mm256_and_si256(places.1, last)),
+            )
+        })
     }
     #[inline(always)]
     fn largest(self) -> f32 {

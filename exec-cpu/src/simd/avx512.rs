@@ -2,7 +2,7 @@
 
 use core::arch::x86_64::*;
 
-use umbra4_core::lanes::{Lanes, TILE};
+use umbra4_core::lanes::{Lanes, TILE, Table};
 
 /// Sixteen f32 in one register. Only kernels compiled for AVX-512 use it, and those run only where it was detected.
 #[derive(Clone, Copy)]
@@ -160,6 +160,16 @@ impl Lanes for Avx512 {
             // The smaller magnitude, without its sign.
             let nearer = _mm512_range_ps::<0b1010>(rest, missing);
             u32::from(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(nearer, by.0))
+        })
+    }
+    #[inline(always)]
+    fn lookup(table: &Table, places: __m512i) -> Self {
+        let [a, b, c, d] = table;
+        intrinsics!({
+            let low = _mm512_permutex2var_ps(_mm512_loadu_ps(a.as_ptr()), places, _mm512_loadu_ps(b.as_ptr()));
+            let high = _mm512_permutex2var_ps(_mm512_loadu_ps(c.as_ptr()), places, _mm512_loadu_ps(d.as_ptr()));
+            let upper = _mm512_test_epi32_mask(places, _mm512_set1_epi32(2 * TILE as i32));
+            Self(_mm512_mask_blend_ps(upper, low, high))
         })
     }
     #[inline(always)]

@@ -4,6 +4,7 @@ use std::fmt;
 
 use umbra4_core::{
     MaskWord, PrecisionMode,
+    jitter::Samples,
     lanes::Sixteen,
     stage::{
         resolve::{Group, Occlusion, resolve},
@@ -67,15 +68,20 @@ impl Isa {
 
     /// Fills the masks of a group. `self` comes from [`Isa::available`].
     #[inline]
-    pub(crate) fn resolve<W: MaskWord, P: PrecisionMode>(self, scene: &Occlusion<'_>, group: &mut Group<W>) {
+    pub(crate) fn resolve<W: MaskWord, P: PrecisionMode, S: Samples>(
+        self,
+        scene: &Occlusion<'_>,
+        samples: &S,
+        group: &mut Group<W>,
+    ) {
         match self {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: an executor only holds an instruction set that `available` has detected.
-            Self::Avx512 => unsafe { resolve_avx512::<W, P>(scene, group) },
+            Self::Avx512 => unsafe { resolve_avx512::<W, P, S>(scene, samples, group) },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
-            Self::Avx2 => unsafe { resolve_avx2::<W, P>(scene, group) },
-            Self::Portable => resolve::<Sixteen, W, P>(scene, group),
+            Self::Avx2 => unsafe { resolve_avx2::<W, P, S>(scene, samples, group) },
+            Self::Portable => resolve::<Sixteen, W, P, S>(scene, samples, group),
         }
     }
 
@@ -132,14 +138,14 @@ impl fmt::Display for Isa {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn resolve_avx512<W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
-    resolve::<avx512::Avx512, W, P>(scene, group);
+fn resolve_avx512<W: MaskWord, P: PrecisionMode, S: Samples>(scene: &Occlusion<'_>, samples: &S, group: &mut Group<W>) {
+    resolve::<avx512::Avx512, W, P, S>(scene, samples, group);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn resolve_avx2<W: MaskWord, P: PrecisionMode>(scene: &Occlusion<'_>, group: &mut Group<W>) {
-    resolve::<avx2::Avx2, W, P>(scene, group);
+fn resolve_avx2<W: MaskWord, P: PrecisionMode, S: Samples>(scene: &Occlusion<'_>, samples: &S, group: &mut Group<W>) {
+    resolve::<avx2::Avx2, W, P, S>(scene, samples, group);
 }
 
 #[cfg(target_arch = "x86_64")]
