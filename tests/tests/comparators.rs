@@ -174,7 +174,7 @@ fn mixed_scene() -> Inputs {
     let (_, soup) = umbra4_tests::scenes::GENERATORS[0];
     let mut rng = umbra4_tests::rng::Rng::named(0, "a wrong executor");
     loop {
-        let inputs = soup(&mut rng, SampleGrid::regular(8, 16)).inputs(0);
+        let inputs = soup(&mut rng, umbra4_tests::scenes::SampleGrid::regular(8, 16)).inputs(0);
         if inputs.oracle().iter().any(|&w| w != 0) && inputs.occluders.triangles().len() > 10 {
             return inputs;
         }
