@@ -28,6 +28,7 @@ pub mod outline;
 pub mod params;
 pub mod precision;
 pub mod proj4;
+pub mod ratio;
 pub mod real;
 pub mod row_mask;
 pub mod side;
@@ -40,6 +41,8 @@ pub mod view;
 pub mod wide;
 
 // What only the host does: no kernel reaches it.
+#[cfg(not(target_arch = "spirv"))]
+pub mod accumulate;
 #[cfg(not(target_arch = "spirv"))]
 pub mod area_light;
 #[cfg(not(target_arch = "spirv"))]

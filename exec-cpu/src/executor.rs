@@ -199,6 +199,19 @@ impl CpuExecutor {
         self.per_receiver(occluders, light, receivers, |answer| table[answer.lit as usize])
     }
 
+    /// The lit samples of every receiver, `0..=light.sample_count()`: what [`umbra4_core::accumulate`] adds up over frames.
+    ///
+    /// # Errors
+    /// As [`CpuExecutor::visibility`].
+    pub fn lit_counts(
+        &self,
+        occluders: &Occluders,
+        light: &LatticeLight,
+        receivers: &Receivers,
+    ) -> Result<(Vec<u32>, Statistics), ExecutorError> {
+        self.per_receiver(occluders, light, receivers, |answer| answer.lit)
+    }
+
     /// How many triangles block at least one sample of each receiver; for receivers in full shadow, how many were met
     /// until nothing was left to block. Shows where the work goes.
     ///

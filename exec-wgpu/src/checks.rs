@@ -2,7 +2,7 @@
 
 use std::num::NonZero;
 
-use umbra4_core::{gbuffer::ViewParams, glam::Mat4, mesh::MeshParams, snap::SnapParams};
+use umbra4_core::{accumulate::most_frames, gbuffer::ViewParams, glam::Mat4, mesh::MeshParams, snap::SnapParams};
 use wgpu::{
     Buffer, BufferUsages, Device, IndexFormat, TextureDimension, TextureFormat, TextureSampleType, TextureUsages,
     TextureView,
@@ -10,7 +10,7 @@ use wgpu::{
 
 use crate::{
     GpuError,
-    frame::{GBuffer, Image, Light, Mesh, Surface},
+    frame::{GBuffer, History, Image, Light, Mesh, Surface},
     image::VisibilityFormat,
     recorder::Resource,
 };
@@ -402,6 +402,20 @@ pub(crate) fn masks(buffer: &Buffer, pixels: u64, stride: u32, field: &str) -> R
     check(usage.contains(BufferUsages::COPY_DST), field, "masks", format!("{usage:?}"), "its usage needs COPY_DST")?;
     let size = format!("{} bytes long", buffer.size());
     check(buffer.size() >= 4 * pixels * u64::from(stride), field, "masks", size, "the masks do not fit it")
+}
+
+/// What a light's history has to be; `samples` of the light.
+pub(crate) fn history(light: &Light<'_>, samples: u32, pixels: u64, field: &str) -> Result<(), GpuError> {
+    let Some(History { sums, frames }) = &light.history else { return Ok(()) };
+    let field = format!("{field}.history");
+    let known = light.visibility.is_some();
+    check(known, &field, "frames", frames, "the light's visibility, which is to be accumulated, has no place to go")?;
+    let most = most_frames(samples);
+    check(*frames < most, &field, "frames", frames, "so many frames do not fit the sums: no more are to be counted")?;
+    let usage = sums.usage();
+    check(usage.contains(BufferUsages::STORAGE), &field, "sums", format!("{usage:?}"), "its usage needs STORAGE")?;
+    let size = format!("{} bytes long", sums.size());
+    check(sums.size() >= 4 * pixels, &field, "sums", size, "a u32 for every pixel does not fit it")
 }
 
 /// The lights' names in errors.

@@ -142,10 +142,24 @@ impl WgpuExecutor {
         light: &LatticeLight,
         receivers: &[IVec3],
     ) -> Result<(Vec<f32>, Statistics), GpuError> {
+        let (lit, statistics) = self.lit_counts(scene, light, receivers)?;
+        let samples = light.sample_count();
+        Ok((lit.iter().map(|&lit| reduce::visibility(lit, samples)).collect(), statistics))
+    }
+
+    /// The lit samples of every receiver, `0..=light.sample_count()`: what [`umbra4_core::accumulate`] adds up over frames.
+    ///
+    /// # Errors
+    /// As [`WgpuExecutor::visibility`].
+    pub fn lit_counts(
+        &self,
+        scene: &LatticeScene<'_>,
+        light: &LatticeLight,
+        receivers: &[IVec3],
+    ) -> Result<(Vec<u32>, Statistics), GpuError> {
         let ask = Asked { masks: false, counts: self.counted, visibility: true };
         let (results, statistics) = self.run(scene, light, receivers, narrowest(light), ask)?;
-        let samples = light.sample_count();
-        Ok((results.lit.iter().map(|&lit| reduce::visibility(lit, samples)).collect(), statistics))
+        Ok((results.lit, statistics))
     }
 
     /// How many triangles block at least one sample of each receiver; for receivers in full shadow, how many were met

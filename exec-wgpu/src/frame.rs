@@ -144,6 +144,18 @@ pub struct Light<'a> {
     /// Where the masks of all pixels go, pixels row by row: rows of 16, 32 or 64 bits, the narrowest that hold the light's
     /// columns, in words of 32 bits, each mask from a word of its own. The buffer's usage has `COPY_DST`.
     pub masks: Option<&'a Buffer>,
+    /// Accumulates visibility over frames, each with another [`umbra4_core::Jitter`]: noise converges to what all samples tell.
+    pub history: Option<History<'a>>,
+}
+
+/// What earlier frames have left of a light's visibility.
+#[derive(Clone, Copy, Debug)]
+pub struct History<'a> {
+    /// A u32 for every pixel: sums of lit samples. The buffer's usage has `STORAGE`.
+    pub sums: &'a Buffer,
+    /// Frames that the sums are of, below [`umbra4_core::accumulate::most_frames`]: the next counts one more. 0 drops them, and has
+    /// to where camera, light or anything that casts a shadow has moved.
+    pub frames: u32,
 }
 
 /// An image of visibility, as large as the G-buffer.

@@ -23,7 +23,7 @@ mod timing;
 
 pub use error::{GpuError, guarded};
 pub use executor::WgpuExecutor;
-pub use frame::{Frame, GBuffer, Image, Indices, Instances, Light, Mesh, Resolution, Surface, Vertices};
+pub use frame::{Frame, GBuffer, History, Image, Indices, Instances, Light, Mesh, Resolution, Surface, Vertices};
 pub use gpu::{AdapterReport, Choice, Gpu, adapters};
 pub use image::VisibilityFormat;
 pub use modules::{code, manifest};

@@ -40,6 +40,7 @@ modules! {
     Resolve64FastJitteredCounted: "resolve_64_fast_jittered_counted",
     Reduce: "reduce",
     Pack: "pack",
+    Accumulate: "accumulate",
     SnapVertices: "snap_vertices",
     SnapInstances: "snap_instances",
     IndexTriangles: "index_triangles",

@@ -21,7 +21,7 @@ use crate::{
     GpuError, Loading,
     checks::{self, CheckedMesh, CheckedView},
     error::guarded,
-    frame::{Frame, Image, Light, Resolution},
+    frame::{Frame, History, Image, Light, Resolution},
     gpu::check_limits,
     image::VisibilityFormat,
     readback::{copy, read},
@@ -73,6 +73,7 @@ const PITCH: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / 4;
 ///             lift: Lift::NONE,
 ///             visibility: Some(Image::Texture { texture: visibility, layer: 0 }),
 ///             masks: None,
+///             history: None,
 ///         }],
 ///     })?;
 ///     Ok(())
@@ -264,7 +265,8 @@ impl SoftShadows {
                     Some(pixels) => &self.upsample(checked, pixels, &buffers.receivers, lit)?,
                     None => lit,
                 };
-                self.pack(image, format, own.light.sample_count(), checked.view.size, lit)?;
+                let history = light.history.as_ref();
+                self.pack(image, format, own.light.sample_count(), checked.view.size, lit, history)?;
             }
             if self.slice == SMALLEST_SLICE {
                 let place = offset_of!(Status, stopped) as u64;
@@ -292,7 +294,7 @@ impl SoftShadows {
         Ok(upsampled)
     }
 
-    /// Lit counts to an image.
+    /// Lit counts, or their sums over frames, to an image.
     fn pack(
         &mut self,
         image: &Image<'_>,
@@ -300,8 +302,8 @@ impl SoftShadows {
         samples: u32,
         [width, height]: [u32; 2],
         lit: &Buffer,
+        history: Option<&History<'_>>,
     ) -> Result<(), GpuError> {
-        let table = self.table(samples, format)?;
         let words = format.words(width);
         let (pitch, target) = match image {
             Image::Texture { .. } => {
@@ -315,9 +317,20 @@ impl SoftShadows {
         let image_part = bytes.map_or_else(|| (&target).into(), |bytes| Resource::Part(target.clone(), 0, bytes));
         let pass =
             PassParams { count: pitch * height, width, pitch, texels: format.pixels_a_word(), ..PassParams::default() };
-        let params = <Params as bytemuck::Zeroable>::zeroed().with_pass(&pass);
+        let params = <Params as bytemuck::Zeroable>::zeroed();
         self.recorder.set_stage(Stage::Reduce);
-        self.recorder.add(Kernel::Pack, params, &[lit.into(), (&table).into(), image_part])?;
+        match history {
+            None => {
+                let table = self.table(samples, format)?;
+                let bound = [lit.into(), (&table).into(), image_part];
+                self.recorder.add(Kernel::Pack, params.with_pass(&pass), &bound)?;
+            }
+            Some(History { sums, frames }) => {
+                let pass = PassParams { first: *frames, elements: (frames + 1) * samples, ..pass };
+                let bound = [lit.into(), (*sums).into(), image_part];
+                self.recorder.add(Kernel::Accumulate, params.with_pass(&pass), &bound)?;
+            }
+        }
         if let Image::Texture { texture, layer } = image {
             self.recorder.copy_image(&target, 4 * pitch, texture, *layer);
         }
@@ -386,6 +399,8 @@ impl CheckedLight {
             light: snapped,
             format: image.map(|image| checks::image(device, image, view.size, &field)).transpose()?,
         };
+        let all = view.size.map(u64::from);
+        checks::history(light, snapped.sample_count(), all[0] * all[1], &field)?;
         if let Some(masks) = light.masks {
             let stride = own.layout(Precision::Exact, u32::MAX).stride;
             checks::masks(masks, u64::from(pixels), stride, &field)?;

@@ -242,6 +242,18 @@ pub fn pack(
     kernel::pack::pack(kernel::id(thread.to_array(), params), params, lit, table, image);
 }
 
+/// See `umbra4_core::kernel::accumulate`.
+#[spirv(compute(threads(64)))]
+pub fn accumulate(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &Params,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] lit: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] sums: &mut [u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] image: &mut [u32],
+) {
+    kernel::accumulate::accumulate(kernel::id(thread.to_array(), params), params, lit, sums, image);
+}
+
 /// One more, where something is refused.
 fn count(refused: bool, counter: &mut u32) {
     if refused {

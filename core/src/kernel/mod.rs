@@ -6,6 +6,7 @@
 // A kernel's arguments are its bindings.
 #![allow(clippy::too_many_arguments)]
 
+pub mod accumulate;
 pub mod build_level;
 #[cfg(not(target_arch = "spirv"))]
 pub mod dispatch;

@@ -59,6 +59,8 @@ pub enum Kernel {
     Reduce,
     /// [`super::pack`].
     Pack,
+    /// [`super::accumulate`].
+    Accumulate,
     /// [`super::snap_vertices::snap_vertices`].
     SnapVertices,
     /// [`super::snap_vertices::snap_instances`].
@@ -145,6 +147,8 @@ pub enum Slot {
     Counts,
     /// Lit samples, u32.
     LitCounts,
+    /// Lit samples over frames, u32.
+    Sums,
     /// Lit count → visibility, in the format of the image.
     VisibilityTable,
     /// Visibility of every pixel, packed into words of 32 bits.
@@ -281,7 +285,7 @@ const OWNED_DEPTHS: &[Bound] = &owned(texture(Slot::Depths), texture(Slot::Norma
 const OWNED_DEPTH_SAMPLES: &[Bound] = &owned(samples(Slot::Depths), samples(Slot::Normals), Access::IdSamples);
 
 /// All kernels.
-pub const TABLE: [KernelInfo; 41] = [
+pub const TABLE: [KernelInfo; 42] = [
     line(
         Kernel::KeyTriangles,
         "key_triangles",
@@ -339,6 +343,12 @@ pub const TABLE: [KernelInfo; 41] = [
         "pack",
         Stage::Reduce,
         &[read(Slot::LitCounts), read(Slot::VisibilityTable), write(Slot::Image)],
+    ),
+    line(
+        Kernel::Accumulate,
+        "accumulate",
+        Stage::Reduce,
+        &[read(Slot::LitCounts), write(Slot::Sums), write(Slot::Image)],
     ),
     mesh(
         Kernel::SnapVertices,

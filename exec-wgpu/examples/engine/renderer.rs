@@ -258,6 +258,7 @@ impl Renderer {
                     lift: Lift::NONE,
                     visibility: Some(Image::Texture { texture: &self.targets.visibility, layer: 0 }),
                     masks: None,
+                    history: None,
                 }],
             },
         );

@@ -1,13 +1,14 @@
 //! Frames, against the oracle.
 
 use umbra4_core::{
-    AreaLight, LatticeLight, Lift,
+    AreaLight, Jitter, LatticeLight, Lift,
     gbuffer::{NormalEncoding, Pixel, ViewParams, from_depth},
     glam::{
         DVec3, IVec3,
         dcamera::rh::{proj, view},
     },
     kernel::{NOWHERE, status::Status},
+    ratio,
     surface::Upwards,
 };
 use umbra4_tests::{
@@ -16,7 +17,7 @@ use umbra4_tests::{
     oracle::oracle_masks,
 };
 use umbra4_wgpu::{
-    Frame, GBuffer, Gpu, Image, Light, Loading, Precision, Resolution, SoftShadows, Surface, VisibilityFormat,
+    Frame, GBuffer, Gpu, History, Image, Light, Loading, Precision, Resolution, SoftShadows, Surface, VisibilityFormat,
     wgpu::{self, BufferUsages, CommandEncoderDescriptor, TextureFormat, TextureUsages},
 };
 
@@ -97,7 +98,7 @@ fn check_frame(gpu: &Gpu, shadows: &mut SoftShadows, world: &World, light: AreaL
 }
 
 pub fn shadowed(light: AreaLight, image: Image<'_>) -> Light<'_> {
-    Light { light, lift: Lift::NONE, visibility: Some(image), masks: None }
+    Light { light, lift: Lift::NONE, visibility: Some(image), masks: None, history: None }
 }
 
 pub fn wish(triangles: u32) -> Wish {
@@ -169,6 +170,7 @@ pub fn a_frame_is_exact(gpu: &Gpu) {
             .zip(&lights)
             .map(|(layer, light)| Light {
                 masks: Some(&mask_buffers[layer as usize]),
+                history: None,
                 ..shadowed(*light, Image::Texture { texture: &target, layer })
             })
             .collect();
@@ -258,6 +260,43 @@ pub fn two_frames_in_one_submission(gpu: &Gpu) {
         let expected = image(&world.expected, &snapped(&light), VisibilityFormat::Float32);
         assert!(read_layer(gpu, texture, 0) == expected, "visibility differs");
     }
+}
+
+/// Frames of jittered samples, in every format; the third moves the light, and so begins anew.
+pub fn jittered_frames_accumulate(gpu: &Gpu) {
+    let mut shadows = SoftShadows::new(&gpu.device).expect("the device can be used");
+    let world = World::new(gpu, 12, wish(60));
+    // What the buffer holds before the first frame is not looked at.
+    let sums = buffer(gpu, &vec![0xa5; 4 * PIXELS], BufferUsages::STORAGE);
+    let usage = TextureUsages::COPY_DST | TextureUsages::COPY_SRC;
+    let mut lit = vec![0; PIXELS];
+    for (number, (frames, edge)) in [(0, -2.0), (1, -2.0), (0, 1.0), (1, 1.0), (2, 1.0)].into_iter().enumerate() {
+        let (texture_format, format) = FORMATS[number % 3];
+        let target = texture(gpu, [SIZE[0], SIZE[1], 1], texture_format, usage);
+        let light = light(5, 7, edge).with_jitter(Jitter::pattern(number as u32));
+        let history = Some(History { sums: &sums, frames });
+        let lights = [Light { history, ..shadowed(light, Image::Texture { texture: &target, layer: 0 }) }];
+        submit(gpu, |encoder| {
+            let meshes = world.meshes();
+            shadows.record(encoder, &world.frame(&meshes, &lights)).expect("the frame is sound");
+        });
+        if frames == 0 {
+            lit.fill(0);
+        }
+        let snapped = snapped(&light);
+        let own = lit_counts(&masks(&world.expected, &snapped), snapped.rows, snapped.columns);
+        lit.iter_mut().zip(own).for_each(|(sum, lit)| *sum += lit);
+        let whole = (frames + 1) * snapped.sample_count();
+        let bytes = 4 / format.pixels_a_word() as usize;
+        let ratio = match format {
+            VisibilityFormat::Unorm8 => ratio::unorm8,
+            VisibilityFormat::Float16 => ratio::float16,
+            VisibilityFormat::Float32 => ratio::float32,
+        };
+        let expected: Vec<u8> = lit.iter().flat_map(|&lit| ratio(lit, whole).to_le_bytes()[..bytes].to_vec()).collect();
+        assert!(read_layer(gpu, &target, 0) == expected, "visibility differs in frame {number}");
+    }
+    assert!(lit.iter().any(|&sum| sum > 0 && sum < 3 * 35), "there is a penumbra");
 }
 
 /// Buffers, bind groups, pipelines and textures that are alive, as wgpu counts them.

@@ -17,13 +17,14 @@ use umbra4_wgpu::Gpu;
 
 type Check = fn(&Gpu);
 
-const CHECKS: [(&str, Check); 18] = [
+const CHECKS: [(&str, Check); 19] = [
     ("a_frame_is_exact", frames::a_frame_is_exact),
     ("what_cannot_be_used_is_counted", frames::what_cannot_be_used_is_counted),
     ("every_encoding_of_normals", frames::every_encoding_of_normals),
     ("frames_grow_and_shrink", frames::frames_grow_and_shrink),
     ("two_frames_in_one_submission", frames::two_frames_in_one_submission),
     ("no_allocation_once_frames_repeat", frames::no_allocation_once_frames_repeat),
+    ("jittered_frames_accumulate", frames::jittered_frames_accumulate),
     ("a_frame_without_triangles_is_lit", frames::a_frame_without_triangles_is_lit),
     ("depths_are_unprojected", frames::depths_are_unprojected),
     ("the_triangle_that_is_seen_decides_the_lift", pixels::the_triangle_that_is_seen_decides_the_lift),

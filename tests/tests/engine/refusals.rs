@@ -7,7 +7,8 @@ use umbra4_core::{
 };
 use umbra4_tests::device::{buffer, texture};
 use umbra4_wgpu::{
-    Frame, Gpu, Image, Indices, Instances, LatticeScene, Light, SoftShadows, Surface, VisibilityFormat, WgpuExecutor,
+    Frame, Gpu, History, Image, Indices, Instances, LatticeScene, Light, SoftShadows, Surface, VisibilityFormat,
+    WgpuExecutor,
     wgpu::{
         BufferDescriptor, BufferUsages, CommandEncoderDescriptor, IndexFormat, TextureFormat, TextureUsages,
         TextureViewDescriptor,
@@ -25,6 +26,7 @@ fn refused(gpu: &Gpu, world: &World, names: &str, change: impl FnOnce(&mut Frame
         lift: Lift::NONE,
         visibility: Some(Image::Texture { texture: &target, layer: 0 }),
         masks: None,
+        history: None,
     }];
     let meshes = world.meshes();
     let mut frame = world.frame(&meshes, &lights);
@@ -204,6 +206,21 @@ pub fn what_is_refused_is_named(gpu: &Gpu) {
         });
     }
 
+    for (names, sums, frames) in [
+        ("lights[0].history.frames is 1048576", &unwritten, 1 << 20),
+        ("lights[0].history.sums is 24 bytes long", &short, 0),
+        ("lights[0].history.sums is BufferUsages(", &useless, 0),
+    ] {
+        refused(gpu, &world, names, |frame, ask| {
+            ask(&Frame { lights: &[Light { history: Some(History { sums, frames }), ..frame.lights[0] }], ..*frame });
+        });
+    }
+    refused(gpu, &world, "lights[0].history.frames is 3: the light's visibility", |frame, ask| {
+        let masks = Some(&useless);
+        let history = Some(History { sums: &unwritten, frames: 3 });
+        ask(&Frame { lights: &[Light { visibility: None, masks, history, ..frame.lights[0] }], ..*frame });
+    });
+
     refused(gpu, &world, "bounds: bounds.min.x is NaN", |frame, ask| {
         ask(&Frame { bounds: Bounds { min: DVec3::NAN, ..frame.bounds }, ..*frame });
     });
@@ -224,6 +241,7 @@ pub fn a_lost_device_is_an_error(_: &Gpu) {
         lift: Lift::NONE,
         visibility: Some(Image::Texture { texture: &target, layer: 0 }),
         masks: None,
+        history: None,
     }];
     let meshes = world.meshes();
     let frame = world.frame(&meshes, &lights);
