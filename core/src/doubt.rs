@@ -83,24 +83,32 @@ impl PairForms {
         pair: &mut PairIntegers,
         place: &Place,
     ) -> bool {
-        let side = if margins.flipped(lane) { -1 } else { 1 };
-        let mut k = 0;
-        while k < planes {
-            let (inside, doubt) = margins.margin(k, lane, place.row, place.column);
-            if inside < -doubt {
-                return false;
-            }
-            if inside <= doubt {
-                pair.fallbacks += 1;
-                let sign = self.form(k, pair).sign_at(place.fine_row, place.fine_column) * side;
-                // Edges are closed; the triangle's own plane blocks strictly.
-                if sign < 0 || (k == 3 && sign == 0) {
-                    return false;
-                }
-            }
-            k += 1;
+        // No loop: some drivers count rounds (`kernel::resolve`).
+        self.holds(0, margins, lane, pair, place)
+            && self.holds(1, margins, lane, pair, place)
+            && self.holds(2, margins, lane, pair, place)
+            && (planes < 4 || self.holds(3, margins, lane, pair, place))
+    }
+
+    /// Whether the sample is on the inner side of plane k.
+    #[inline(always)]
+    fn holds<M: Margins>(
+        &mut self,
+        k: usize,
+        margins: &M,
+        lane: usize,
+        pair: &mut PairIntegers,
+        place: &Place,
+    ) -> bool {
+        let (inside, doubt) = margins.margin(k, lane, place.row, place.column);
+        if inside < -doubt || inside > doubt {
+            return inside > 0.0;
         }
-        true
+        pair.fallbacks += 1;
+        let side = if margins.flipped(lane) { -1 } else { 1 };
+        let sign = self.form(k, pair).sign_at(place.fine_row, place.fine_column) * side;
+        // Edges are closed; the triangle's own plane blocks strictly.
+        sign > 0 || (sign == 0 && k != 3)
     }
 
     #[inline(always)]

@@ -281,6 +281,7 @@ impl<const E: usize> Lines<E> {
 impl<const E: usize> Margins for Lines<E> {
     #[inline(always)]
     fn margin(&self, k: usize, lane: usize, row: f32, column: f32) -> (f32, f32) {
+        let k = k % E;
         let x = self.slope[k][lane] * row + self.start[k][lane];
         (if self.lower[k] >> lane & 1 == 1 { column - x } else { x - column }, self.doubt[k][lane])
     }
@@ -294,19 +295,20 @@ impl<const E: usize> Margins for Lines<E> {
 impl<const E: usize> Limits for Lines<E> {
     #[inline(always)]
     fn limit(&self, k: usize, lane: usize) -> (f32, f32) {
+        let k = k % E;
         let (start, doubt) = (self.start[k][lane], self.doubt[k][lane]);
         (self.slope[k][lane], if self.is_lower(k, lane) { start + doubt } else { start - doubt })
     }
 
     #[inline(always)]
     fn is_lower(&self, k: usize, lane: usize) -> bool {
-        self.lower[k] >> lane & 1 == 1
+        self.lower[k % E] >> lane & 1 == 1
     }
 
     #[inline(always)]
     fn beyond<P: PrecisionMode>(&self, planes: usize, lane: usize) -> f32 {
         let (mut most, mut k) = (0.0, 0);
-        while P::CERTIFIED && k < planes {
+        while P::CERTIFIED && k < planes && k < E {
             most = Lanes::max(most, self.doubt[k][lane]);
             k += 1;
         }

@@ -19,7 +19,7 @@ use crate::{
     jitter::{LAST_PLACE, Samples},
     lanes::{Lanes, TILE},
     mask_word::MaskWord,
-    precision::PrecisionMode,
+    precision::{Exact, PrecisionMode},
     row_mask::{Filled, MASK_ROWS, MaskRows, or_rows},
 };
 
@@ -127,6 +127,27 @@ impl<L: Lanes> Spans<L> {
         }
     }
 
+    /// Bounds them by line k, in the rows from `start` on.
+    #[inline(always)]
+    fn bound_by<P: PrecisionMode, S: Samples, const E: usize>(
+        &mut self,
+        k: usize,
+        own: &[Line; E],
+        steep: &mut Steep<L, E>,
+        start: usize,
+        last_column: f32,
+        samples: &S,
+    ) {
+        let line = &own[k % E];
+        let x = line.crossings(samples, start);
+        if steep.lines >> k & 1 == 0 {
+            self.bound::<P, S>(line, x, last_column, samples);
+        } else {
+            self.bound_outside(line, x);
+            steep.add(k, line, x);
+        }
+    }
+
     /// Bounds them by what a steep line leaves at most.
     #[inline(always)]
     fn bound_outside(&mut self, line: &Line, x: L) {
@@ -215,18 +236,15 @@ impl<L: Lanes, const E: usize> Steep<L, E> {
         while first < end {
             let columns = L::count_from(first as usize);
             let shifts = samples.column_shifts::<L>(columns.ceil());
-            let (mut sure, mut near) = (L::mask(u32::MAX), L::mask(u32::MAX));
-            let mut k = 0;
-            while k < E {
-                if self.lines >> k & 1 == 1 {
-                    let depth = own[k].depth(own[k].t(columns, shifts), L::splat(self.crossings[k][row]));
-                    sure = L::both(sure, depth.ge(L::splat(own[k].slack)));
-                    if P::CERTIFIED {
-                        near = L::both(near, depth.ge(L::splat(own[k].outside)));
-                    }
-                }
-                k += 1;
+            let mut inside = (L::mask(u32::MAX), L::mask(u32::MAX));
+            // No loop: some drivers count rounds (`kernel::resolve`).
+            self.test::<P>(0, own, row, columns, shifts, &mut inside);
+            self.test::<P>(1, own, row, columns, shifts, &mut inside);
+            self.test::<P>(2, own, row, columns, shifts, &mut inside);
+            if E > 3 {
+                self.test::<P>(3, own, row, columns, shifts, &mut inside);
             }
+            let (sure, near) = inside;
             let open = !L::bits(sure) & ((1 << L::WIDTH) - 1);
             let before = words[row];
             words[row] = before.without(W::columns(first as u32, open));
@@ -235,6 +253,27 @@ impl<L: Lanes, const E: usize> Steep<L, E> {
                 spans.unsure |= ((before.and(near) != W::EMPTY) as u32) << row;
             }
             first += L::WIDTH as i32;
+        }
+    }
+
+    /// Leaves in `inside` what is surely, and what may be, inside line k too.
+    #[inline(always)]
+    fn test<P: PrecisionMode>(
+        &self,
+        k: usize,
+        own: &[Line; E],
+        row: usize,
+        columns: L,
+        shifts: L,
+        inside: &mut (L::Mask, L::Mask),
+    ) {
+        let k = k % E;
+        if self.lines >> k & 1 == 1 {
+            let depth = own[k].depth(own[k].t(columns, shifts), L::splat(self.crossings[k][row]));
+            inside.0 = L::both(inside.0, depth.ge(L::splat(own[k].slack)));
+            if P::CERTIFIED {
+                inside.1 = L::both(inside.1, depth.ge(L::splat(own[k].outside)));
+            }
         }
     }
 }
@@ -251,6 +290,7 @@ pub(crate) fn fill<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples, M: Limit
     samples: &S,
     mask: &mut MaskRows<W>,
 ) -> Filled {
+    let lane = lane % TILE;
     let mut filled = Filled { relevant: false, unsure: [0; 2] };
     let beyond = lines.beyond::<P>(planes, lane);
     let (mut own, mut steep_lines, mut k) = ([Line::NONE; E], 0, 0);
@@ -265,16 +305,12 @@ pub(crate) fn fill<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples, M: Limit
         let start = first + done;
         let mut spans = Spans { from: zero, to: all, unsure: 0 };
         let mut steep = Steep { lines: steep_lines, crossings: [[0.0; TILE]; E], lowest: zero, highest: all };
-        let mut k = 0;
-        while k < planes {
-            let x = own[k].crossings(samples, start);
-            if steep_lines >> k & 1 == 0 {
-                spans.bound::<P, S>(&own[k], x, (columns - 1) as f32, samples);
-            } else {
-                spans.bound_outside(&own[k], x);
-                steep.add(k, &own[k], x);
-            }
-            k += 1;
+        let last_column = (columns - 1) as f32;
+        spans.bound_by::<P, S, E>(0, &own, &mut steep, start, last_column, samples);
+        spans.bound_by::<P, S, E>(1, &own, &mut steep, start, last_column, samples);
+        spans.bound_by::<P, S, E>(2, &own, &mut steep, start, last_column, samples);
+        if planes > 3 {
+            spans.bound_by::<P, S, E>(3, &own, &mut steep, start, last_column, samples);
         }
         let here = if count - done < L::WIDTH { count - done } else { L::WIDTH };
         let present = (1 << here) - 1;
@@ -302,10 +338,10 @@ pub(crate) fn fill<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples, M: Limit
     filled
 }
 
-/// Decides all samples of the rows in `unsure`, counted from `first`, that are not blocked already. Returns whether any is blocked.
+/// Decides the samples of the rows in `unsure`, counted from `first`, that floats cannot tell. Returns whether any is blocked.
 #[cfg_attr(not(target_arch = "spirv"), inline(never))]
 #[cfg_attr(target_arch = "spirv", inline(always))]
-pub(crate) fn settle<W: MaskWord, S: Samples, M: Margins>(
+pub(crate) fn settle<W: MaskWord, S: Samples, M: Limits>(
     lines: &M,
     planes: usize,
     lane: usize,
@@ -316,6 +352,8 @@ pub(crate) fn settle<W: MaskWord, S: Samples, M: Margins>(
     pair: &mut PairIntegers,
     mask: &mut MaskRows<W>,
 ) -> bool {
+    let lane = lane % TILE;
+    let beyond = lines.beyond::<Exact>(planes, lane);
     let mut forms = PairForms::NONE;
     let mut relevant = false;
     while unsure[0] | unsure[1] != 0 {
@@ -325,10 +363,60 @@ pub(crate) fn settle<W: MaskWord, S: Samples, M: Margins>(
         if row >= MASK_ROWS {
             break;
         }
-        let open = W::below(columns).without(mask[row]);
+        let mut doubt = Doubt { possible: W::below(columns), near: W::EMPTY };
+        doubt.add(lines, 0, lane, beyond, row, columns, samples);
+        doubt.add(lines, 1, lane, beyond, row, columns, samples);
+        doubt.add(lines, 2, lane, beyond, row, columns, samples);
+        if planes > 3 {
+            doubt.add(lines, 3, lane, beyond, row, columns, samples);
+        }
+        let open = doubt.possible.and(doubt.near).without(mask[row]);
         let found = forms.settle(lines, samples, planes, lane, pair, row, open);
         relevant |= found != W::EMPTY;
         mask[row] = mask[row].or(found);
     }
     relevant
+}
+
+/// The columns of one row in which floats may not tell.
+struct Doubt<W> {
+    /// Not surely outside a line.
+    possible: W,
+    /// Not surely inside all of them.
+    near: W,
+}
+
+impl<W: MaskWord> Doubt<W> {
+    /// What line k makes of it. On one lane, which may round differently: its bounds are wider.
+    #[inline(always)]
+    fn add<S: Samples, M: Limits>(
+        &mut self,
+        lines: &M,
+        k: usize,
+        lane: usize,
+        beyond: f32,
+        row: usize,
+        columns: u32,
+        samples: &S,
+    ) {
+        let line = Line::of::<f32, Exact, M>(lines, k, lane, beyond);
+        let x = line.crossings::<f32, S>(samples, row);
+        let (outer, inner) = (within(line.outer(x), columns), within(line.inner(x), columns));
+        let (possible, sure) = if line.lower {
+            (
+                W::below(columns).without(W::below(Lanes::ceil(outer) as u32)),
+                W::below(columns).without(W::below(Lanes::ceil(inner) as u32)),
+            )
+        } else {
+            (W::below(Lanes::floor(outer + 1.0) as u32), W::below(Lanes::floor(inner + 1.0) as u32))
+        };
+        self.possible = self.possible.and(possible);
+        self.near = self.near.or(possible.without(sure));
+    }
+}
+
+/// A column, or the nearest that has none of the light's beyond it.
+#[inline(always)]
+fn within(x: f32, columns: u32) -> f32 {
+    Lanes::min(Lanes::max(x, -0.5), columns as f32 - 0.5)
 }

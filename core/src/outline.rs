@@ -79,6 +79,7 @@ impl<const E: usize> Margins for Outlines<E> {
     /// Twice the doubt counts as unsure: `start` was rounded when it was moved inwards.
     #[inline(always)]
     fn margin(&self, k: usize, lane: usize, row: f32, column: f32) -> (f32, f32) {
+        let k = k % E;
         let (band, x) = (self.band[lane], self.slope[k][lane] * row + self.start[k][lane]);
         let inside = if self.lower[k] >> lane & 1 == 1 { column - x } else { x - 1.0 - column };
         (inside + 0.5 * band, band)
@@ -93,13 +94,13 @@ impl<const E: usize> Margins for Outlines<E> {
 impl<const E: usize> Limits for Outlines<E> {
     #[inline(always)]
     fn limit(&self, k: usize, lane: usize) -> (f32, f32) {
-        let start = self.start[k][lane];
-        (self.slope[k][lane], if self.is_lower(k, lane) { start } else { start - 1.0 })
+        let (slope, start) = (self.slope[k % E][lane], self.start[k % E][lane]);
+        (slope, if self.is_lower(k, lane) { start } else { start - 1.0 })
     }
 
     #[inline(always)]
     fn is_lower(&self, k: usize, lane: usize) -> bool {
-        self.lower[k] >> lane & 1 == 1
+        self.lower[k % E] >> lane & 1 == 1
     }
 
     #[inline(always)]
