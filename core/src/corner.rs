@@ -13,6 +13,7 @@ use glam::IVec3;
 use crate::{
     edge_plane::{LightGrid, Occluder, ReceiverTile},
     exact::{self, Wide, WideInt},
+    jitter::Jitter,
     lanes::Lanes,
     light::LatticeLight,
     precision::PrecisionMode,
@@ -21,9 +22,9 @@ use crate::{
     view::View,
 };
 
-/// The light of one sample.
+/// The light of one sample: of jittered ones, the first place of the first.
 pub const fn corner_light(light: &LatticeLight) -> LatticeLight {
-    LatticeLight { rows: 1, columns: 1, ..*light }
+    LatticeLight { rows: 1, columns: 1, jitter: Jitter::NONE, ..*light }
 }
 
 /// Lanes of `kept` from which the triangle blocks the sample. It faces the light.

@@ -5,6 +5,7 @@
 //! below that.
 
 use crate::{
+    jitter::Samples,
     lanes::TILE,
     light::MAX_SAMPLES,
     mask_word::MaskWord,
@@ -15,6 +16,8 @@ use crate::{
 const DIGITS: usize = 10;
 /// Digits that are always looked at: depths are rarely larger.
 const FEW_DIGITS: usize = 3;
+/// Where counts start: at half of what few digits hold.
+const START: i32 = 1 << (FEW_DIGITS - 1);
 /// Most triangles before one sample.
 pub const MOST_DEPTH: u32 = (1 << DIGITS) - 1;
 
@@ -28,6 +31,8 @@ pub struct Depths<W> {
     steps: [i16; MAX_SAMPLES as usize + 1],
     /// Whether more than a few digits were counted in.
     deep: bool,
+    /// What was counted for the light's first place, where no sample need lie.
+    at_origin: i32,
 }
 
 impl<W: MaskWord> Depths<W> {
@@ -35,7 +40,7 @@ impl<W: MaskWord> Depths<W> {
     pub const FLAT: Self = {
         let mut digits = [[W::EMPTY; MASK_ROWS]; DIGITS];
         digits[FEW_DIGITS - 1] = [W::ALL; MASK_ROWS];
-        Self { digits, steps: [0; MAX_SAMPLES as usize + 1], deep: false }
+        Self { digits, steps: [0; MAX_SAMPLES as usize + 1], deep: false, at_origin: 0 }
     };
 
     /// All rows from `row` on, `row <= 64`, are deeper by `by`.
@@ -44,6 +49,12 @@ impl<W: MaskWord> Depths<W> {
         if let Some(step) = self.steps.get_mut(row) {
             *step = step.wrapping_add(by as i16);
         }
+    }
+
+    /// The light's first place is deeper by `by`.
+    #[inline(always)]
+    pub(crate) fn step_origin(&mut self, by: i32) {
+        self.at_origin += by;
     }
 
     /// In the `count` rows from `row` on, all columns from `columns[k]` on are deeper by `by`.
@@ -56,6 +67,12 @@ impl<W: MaskWord> Depths<W> {
             words[k] = if k < count { word } else { W::EMPTY };
             k += 1;
         }
+        self.add_words(row, words, by);
+    }
+
+    /// In the rows from `row` on, the samples in `words` are deeper by `by`.
+    #[inline(always)]
+    pub(crate) fn add_words(&mut self, row: usize, words: [W; TILE], by: i32) {
         let mut left = by.unsigned_abs();
         while left != 0 {
             self.count(row, words, by < 0);
@@ -96,14 +113,14 @@ impl<W: MaskWord> Depths<W> {
         words
     }
 
-    /// ORs the samples that have something before them into a mask; `origin` is the depth of sample (0, 0). All depths are
-    /// zero again.
+    /// ORs the samples that have something before them into a mask; `origin` is the depth of the light's first place, which is
+    /// sample (0, 0) where samples are not jittered. All depths are zero again.
     #[inline(always)]
-    pub(crate) fn flush(&mut self, origin: u32, rows: u32, columns: u32, mask: &mut MaskRows<W>) {
+    pub(crate) fn flush<S: Samples>(&mut self, origin: u32, rows: u32, columns: u32, mask: &mut MaskRows<W>) {
         let used = self.used();
-        let mut at_origin = self.steps[0] as i32;
+        let mut at_origin = if S::JITTERED { self.at_origin + START } else { self.steps[0] as i32 };
         let mut digit = 0;
-        while digit < used {
+        while digit < used && !S::JITTERED {
             at_origin += (self.digits[digit][0].bit(0) as i32) << digit;
             digit += 1;
         }
@@ -156,6 +173,7 @@ impl<W: MaskWord> Depths<W> {
         }
         self.steps = [0; MAX_SAMPLES as usize + 1];
         self.deep = false;
+        self.at_origin = 0;
     }
 
     #[inline(always)]

@@ -26,6 +26,9 @@ use crate::{
     depth::Depths,
     edge_plane::{LightGrid, ReceiverTile},
     exact::{self, Wide},
+    jitter::{LAST_PLACE, PLACES, Samples},
+    jittered_edges::{Crossing, MOST_OFF, first_place, near_sample, step, within_places},
+    jittered_rows::slack,
     lanes::{Lanes, TILE},
     light::MAX_SAMPLES,
     mask_word::MaskWord,
@@ -50,7 +53,7 @@ pub struct EdgeTrace {
     start: [f32; TILE],
     /// How well a column is known.
     doubt: [f32; TILE],
-    /// First row not below either end.
+    /// First row not below either end; of jittered samples, first row of places.
     rows: [[i32; TILE]; 2],
     /// Bit l: in lane l the end is left of column 0.
     left: [u32; 2],
@@ -72,9 +75,10 @@ impl EdgeTrace {
 
     /// Traces an edge for the lanes in `wanted`.
     #[inline(always)]
-    pub(crate) fn trace<L: Lanes, P: PrecisionMode>(
+    pub(crate) fn trace<L: Lanes, P: PrecisionMode, S: Samples>(
         &mut self,
         view: &View<L::Long>,
+        samples: &S,
         edge: &SilhouetteEdge,
         wanted: u32,
     ) -> Traced {
@@ -89,7 +93,7 @@ impl EdgeTrace {
         while first < TILE {
             let lanes = wanted >> first & ((1 << L::WIDTH) - 1);
             if lanes != 0 {
-                let chunk = self.chunk::<L, P>(view, &ends, &known, first, lanes);
+                let chunk = self.chunk::<L, P, S>(view, samples, &ends, &known, first, lanes);
                 traced.crossed |= chunk.crossed << first;
                 traced.lost |= chunk.lost << first;
             }
@@ -99,9 +103,10 @@ impl EdgeTrace {
     }
 
     #[inline(always)]
-    fn chunk<L: Lanes, P: PrecisionMode>(
+    fn chunk<L: Lanes, P: PrecisionMode, S: Samples>(
         &mut self,
         view: &View<L::Long>,
+        samples: &S,
         ends: &[[f32; 4]; 3],
         known: &Known,
         first: usize,
@@ -136,7 +141,10 @@ impl EdgeTrace {
         let rise = along[1].abs();
         let inverse = rise.max(L::splat(FLAT)).recip();
         let slope = along[0].mul(L::select(along[1].ge(zero), inverse, zero.sub(inverse)));
-        let doubt = slope.abs().mul_add(off, off);
+        let mut doubt = slope.abs().mul_add(off, off);
+        if S::JITTERED && P::CERTIFIED {
+            doubt = doubt.add(slacks(slope));
+        }
         let start = a.column.sub(slope.mul(a.row));
         slope.store(&mut self.slope, first);
         start.store(&mut self.start, first);
@@ -160,8 +168,14 @@ impl EdgeTrace {
         // Rows, with half a row off the light on both sides.
         let half = L::splat(0.5);
         let (before, after) = (zero.sub(half), last_row.add(half));
-        let rows = [a.row.max(before).min(after), b.row.max(before).min(after)];
-        let ceils = [rows[0].ceil(), rows[1].ceil()];
+        let (rows, ceils);
+        if S::JITTERED {
+            rows = [within_places(a.row, view.last_row), within_places(b.row, view.last_row)];
+            ceils = [first_place(rows[0]), first_place(rows[1])];
+        } else {
+            rows = [a.row.max(before).min(after), b.row.max(before).min(after)];
+            ceils = [rows[0].ceil(), rows[1].ceil()];
+        }
         L::store_ints(ceils[0], &mut self.rows[0], first);
         L::store_ints(ceils[1], &mut self.rows[1], first);
         let left = [!L::bits(a.column.ge(zero)), !L::bits(b.column.ge(zero))];
@@ -174,9 +188,13 @@ impl EdgeTrace {
         let own = [cut & !above[0], cut & !above[1]];
         if P::CERTIFIED {
             let sloped = L::bits(rise.ge(L::splat(FLAT)));
-            unsure |= wanted & !L::bits(L::splat(MOST_DOUBT).ge(off));
+            unsure |= wanted & !L::bits(L::splat(if S::JITTERED { MOST_OFF } else { MOST_DOUBT }).ge(off));
             unsure |= wanted & sloped & !L::bits(L::splat(MOST_DOUBT).ge(doubt));
-            unsure |= wanted & !sloped & meets(rows[0].min(rows[1]).sub(off), rows[0].max(rows[1]).add(off));
+            let (low, high) = (rows[0].min(rows[1]).sub(off), rows[0].max(rows[1]).add(off));
+            let places = L::splat(PLACES as f32);
+            unsure |= wanted
+                & !sloped
+                & if S::JITTERED { meets(low.mul(places), high.mul(places)) } else { meets(low, high) };
             let mut k = 0;
             while k < 2 {
                 let (column, row) = if k == 0 { (a.column, a.row) } else { (b.column, b.row) };
@@ -184,7 +202,13 @@ impl EdgeTrace {
                 near |= near_border(&row, zero, off) | near_border(&row, last_row, off);
                 let within = column.max(before).min(last_column.add(half));
                 let wide = doubt.add(doubt).min(L::splat(MOST_DOUBT));
-                near |= meets(rows[k].sub(off), rows[k].add(off)) & meets(within.sub(wide), within.add(wide));
+                if S::JITTERED {
+                    let end = if k == 0 { &a } else { &b };
+                    let last_column = view.last_column - LAST_PLACE;
+                    near |= near_sample(end, rows[k], [off, wide], last_column, samples);
+                } else {
+                    near |= meets(rows[k].sub(off), rows[k].add(off)) & meets(within.sub(wide), within.add(wide));
+                }
                 unsure |= near & !own[k];
                 k += 1;
             }
@@ -194,6 +218,13 @@ impl EdgeTrace {
         let crossed = lanes & !lost & (spans | (left[0] ^ left[1]));
         Traced { crossed, lost }
     }
+}
+
+/// [`slack`], lane by lane.
+#[inline(always)]
+fn slacks<L: Lanes>(slope: L) -> L {
+    let none = slack::<L>(0.0);
+    slope.abs().mul_add(L::splat(slack::<L>(1.0) - none), L::splat(none))
 }
 
 /// How well the ends of an edge are known, in units of ε; and what a cut at the light adds to δ.
@@ -309,9 +340,10 @@ impl EdgeTrace {
     /// Adds the edge to the depths of one lane, for which it was traced and found crossing. Samples on the edge are blocked
     /// at once. Returns false where the lane is lost.
     #[inline(always)]
-    pub(crate) fn add<L: Lanes, W: MaskWord, P: PrecisionMode>(
+    pub(crate) fn add<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples>(
         &self,
         grid: &LightGrid,
+        samples: &S,
         receivers: &ReceiverTile,
         edge: &SilhouetteEdge,
         lane: usize,
@@ -319,6 +351,27 @@ impl EdgeTrace {
     ) -> bool {
         let right = edge.right();
         let (one, other) = (self.rows[0][lane] as usize, self.rows[1][lane] as usize);
+        if S::JITTERED {
+            let columns = grid.light.columns;
+            if self.left[0] >> lane & 1 == 1 {
+                step::<L, W, S>(seen.depths, one, -right, columns, samples);
+            }
+            if self.left[1] >> lane & 1 == 1 {
+                step::<L, W, S>(seen.depths, other, right, columns, samples);
+            }
+            let rises = one < other;
+            let crossing = Crossing {
+                grid,
+                point: receivers.point(lane),
+                edge,
+                slope: self.slope[lane],
+                start: self.start[lane],
+                doubt: self.doubt[lane],
+                places: if rises { [one, other] } else { [other, one] },
+                rises,
+            };
+            return crossing.add::<L, W, P, S>(if rises { right } else { -right }, samples, seen);
+        }
         if self.left[0] >> lane & 1 == 1 {
             seen.depths.step(one, -right);
         }

@@ -37,9 +37,15 @@ pub(crate) trait Limits: Margins {
     fn beyond<P: PrecisionMode>(&self, planes: usize, lane: usize) -> f32;
 }
 
+/// The slack of the module's notes.
+#[inline(always)]
+pub(crate) fn slack<L: Lanes>(slope: f32) -> f32 {
+    (320.0 + 80.0 * Lanes::abs(slope)) * L::ROUNDOFF
+}
+
 /// One line of a triangle for one receiver.
 #[derive(Clone, Copy)]
-struct Line {
+pub(crate) struct Line {
     slope: f32,
     limit: f32,
     lower: bool,
@@ -58,43 +64,50 @@ impl Line {
     #[inline(always)]
     fn of<L: Lanes, P: PrecisionMode, M: Limits>(lines: &M, k: usize, lane: usize, beyond: f32) -> Self {
         let (slope, limit) = lines.limit(k, lane);
-        let slack = if P::CERTIFIED { (320.0 + 80.0 * Lanes::abs(slope)) * L::ROUNDOFF } else { 0.0 };
+        let slack = if P::CERTIFIED { slack::<L>(slope) } else { 0.0 };
+        Self::new(slope, limit, lines.is_lower(k, lane), slack, -(beyond + slack))
+    }
+
+    /// `column ≥ slope·row + limit`, or ≤ where it is no `lower` bound; samples deeper inside than `slack` are surely so, and others that
+    /// are deeper than `outside` may be.
+    #[inline(always)]
+    pub(crate) fn new(slope: f32, limit: f32, lower: bool, slack: f32, outside: f32) -> Self {
         let (least, most) = (Lanes::min(slope, 0.0) * LAST_PLACE, Lanes::max(slope, 0.0) * LAST_PLACE);
-        Self { slope, limit, lower: lines.is_lower(k, lane), slack, outside: -(beyond + slack), least, most }
+        Self { slope, limit, lower, slack, outside, least, most }
     }
 
     #[inline(always)]
-    fn is_shallow(&self, beyond: f32) -> bool {
+    pub(crate) fn is_shallow(&self, beyond: f32) -> bool {
         Lanes::abs(self.slope) <= 1.0 && beyond <= MOST_BEYOND
     }
 
     /// X of the rows from `start` on.
     #[inline(always)]
-    fn crossings<L: Lanes, S: Samples>(&self, samples: &S, start: usize) -> L {
+    pub(crate) fn crossings<L: Lanes, S: Samples>(&self, samples: &S, start: usize) -> L {
         let rows = L::count_from(start);
         L::splat(self.slope).mul_add(rows, L::splat(self.limit)).sub(samples.row_shifts(rows.ceil()))
     }
 
     /// From X on: beyond which column no sample is inside.
     #[inline(always)]
-    fn outer<L: Lanes>(&self, x: L) -> L {
+    pub(crate) fn outer<L: Lanes>(&self, x: L) -> L {
         x.add(L::splat(if self.lower { self.least + self.outside } else { self.most - self.outside }))
     }
 
     /// From X on: from which column on, or up to which, all samples are inside.
     #[inline(always)]
-    fn inner<L: Lanes>(&self, x: L) -> L {
+    pub(crate) fn inner<L: Lanes>(&self, x: L) -> L {
         x.add(L::splat(if self.lower { self.most + self.slack } else { self.least - self.slack }))
     }
 
     /// How deep samples lie inside: t from X.
     #[inline(always)]
-    fn depth<L: Lanes>(&self, t: L, x: L) -> L {
+    pub(crate) fn depth<L: Lanes>(&self, t: L, x: L) -> L {
         if self.lower { t.sub(x) } else { x.sub(t) }
     }
 
     #[inline(always)]
-    fn t<L: Lanes>(&self, columns: L, shifts: L) -> L {
+    pub(crate) fn t<L: Lanes>(&self, columns: L, shifts: L) -> L {
         shifts.mul_add(L::splat(-self.slope), columns)
     }
 }
@@ -208,17 +221,13 @@ impl<L: Lanes, const E: usize> Steep<L, E> {
         L::store_ints(high_start, &mut stops, 0);
         L::store_ints(high[1].ceil(), &mut ends, 0);
         let all = (1 << L::WIDTH) - 1;
-        let mut rows = at_low & all;
-        while rows != 0 {
-            let row = rows.trailing_zeros() as usize % TILE;
-            rows &= rows - 1;
-            self.cut_row::<W, P, S>(own, row, [starts[row], middles[row]], spans, samples, words);
-        }
-        let mut rows = at_high & all;
-        while rows != 0 {
-            let row = rows.trailing_zeros() as usize % TILE;
-            rows &= rows - 1;
-            self.cut_row::<W, P, S>(own, row, [stops[row], ends[row]], spans, samples, words);
+        let mut rows = [at_low & all, at_high & all];
+        while rows[0] | rows[1] != 0 {
+            let end = (rows[0] == 0) as usize;
+            let row = rows[end].trailing_zeros() as usize % TILE;
+            rows[end] &= rows[end] - 1;
+            let columns = if end == 0 { [starts[row], middles[row]] } else { [stops[row], ends[row]] };
+            self.cut_row::<W, P, S>(own, row, columns, spans, samples, words);
         }
     }
 

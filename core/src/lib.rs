@@ -56,6 +56,8 @@ pub mod executor;
 #[cfg(not(target_arch = "spirv"))]
 pub mod grid;
 #[cfg(not(target_arch = "spirv"))]
+pub mod jittered_edges;
+#[cfg(not(target_arch = "spirv"))]
 pub mod lattice;
 #[cfg(not(target_arch = "spirv"))]
 pub mod plan;

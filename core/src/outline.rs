@@ -130,10 +130,10 @@ impl<const E: usize> Outlines<E> {
         flipped: 0,
     };
 
-    /// Takes over the lines that planes made, for the lanes in `alive` of which one band serves all, on all rows of
+    /// Takes over the lines that planes made for regular samples, for the lanes in `alive` of which one band serves all, on all rows of
     /// the light. Returns those lanes.
     #[inline(always)]
-    pub fn take_over<L: Lanes, P: PrecisionMode, S: Samples>(
+    pub fn take_over<L: Lanes, P: PrecisionMode>(
         &mut self,
         lines: &Lines<E>,
         light: &LatticeLight,
@@ -147,7 +147,7 @@ impl<const E: usize> Outlines<E> {
         while first < TILE {
             let wanted = alive >> first & ((1 << L::WIDTH) - 1);
             if wanted != 0 {
-                taken |= self.take_chunk::<L, P, S>(lines, light, planes, first, wanted) << first;
+                taken |= self.take_chunk::<L, P>(lines, light, planes, first, wanted) << first;
             }
             first += L::WIDTH;
         }
@@ -155,7 +155,7 @@ impl<const E: usize> Outlines<E> {
     }
 
     #[inline(always)]
-    fn take_chunk<L: Lanes, P: PrecisionMode, S: Samples>(
+    fn take_chunk<L: Lanes, P: PrecisionMode>(
         &mut self,
         lines: &Lines<E>,
         light: &LatticeLight,
@@ -172,9 +172,7 @@ impl<const E: usize> Outlines<E> {
             if P::CERTIFIED {
                 let mut own = L::load(&lines.doubt[k], first);
                 let steep = own.ge(L::splat(MOST_PLANE_DOUBT));
-                if S::JITTERED {
-                    taken &= !L::bits(steep);
-                } else if L::bits(steep) & wanted != 0 {
+                if L::bits(steep) & wanted != 0 {
                     let crossing = Crossing::of(slope, start[k], own, light.columns);
                     taken &= !(crossing.stuck & L::bits(steep));
                     slope = L::select(steep, crossing.slope, slope);

@@ -58,11 +58,7 @@ pub struct Plan {
 
 impl Plan {
     /// Decides what runs.
-    pub fn new(mut facts: SceneFacts) -> Self {
-        if facts.jittered && facts.index == IndexKind::Silhouette {
-            // Depths are counted for rows, and jittered samples have none in common.
-            facts.index = IndexKind::Hierarchy;
-        }
+    pub fn new(facts: SceneFacts) -> Self {
         let levels = match facts.index {
             IndexKind::Grid => Levels::default(),
             IndexKind::Hierarchy | IndexKind::Silhouette => Levels::of(facts.triangles),
@@ -149,7 +145,6 @@ impl Plan {
             Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells if !grid => {
                 (false, "the hierarchy is the index")
             }
-            Stage::FindSilhouette if facts.jittered => (false, "the light's samples are jittered"),
             Stage::FindSilhouette if facts.index != IndexKind::Silhouette => (false, "triangles are taken one by one"),
             Stage::FindSilhouette if triangles => (true, "edges inside a surface change nothing"),
             Stage::KeyTriangles | Stage::OrderTriangles | Stage::FindSilhouette | Stage::BinTriangles if !triangles => {

@@ -4,7 +4,12 @@ use std::sync::Arc;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use thiserror::Error;
-use umbra4_core::{IndexKind, LatticeLight, MaskWord, Plan, Precision, SceneFacts, stage::reduce};
+use umbra4_core::{
+    IndexKind, LatticeLight, MaskWord, Plan, Precision, SceneFacts,
+    jitter::{Pattern, Regular},
+    light::MAX_SAMPLES,
+    stage::reduce,
+};
 
 use crate::{
     CpuWord, Index, Isa, Masks, Occluders, Receivers, Statistics,
@@ -288,7 +293,23 @@ impl CpuExecutor {
         }
         let plan = self.plan(occluders, light, receivers, visibility);
         let how = How { plan: &plan, isa: self.isa, precision: self.precision, index: self.index };
-        let work = || Run::<W, _>::new(how, occluders, *light, receivers, &visit).finish();
+        let room = [W::EMPTY; MAX_SAMPLES as usize];
+        let work = || {
+            if light.jitter.is_some() {
+                let visit = |answer: Answer<'_, W::Jittered>| {
+                    let mut room = room;
+                    visit(answer.with_rows(W::of_jittered(answer.rows, &mut room)));
+                };
+                let samples = Pattern::of(light);
+                Run::<W::Jittered, _, _>::new(how, occluders, *light, &samples, receivers, &visit).finish()
+            } else {
+                let visit = |answer: Answer<'_, W::Regular>| {
+                    let mut room = room;
+                    visit(answer.with_rows(W::of_regular(answer.rows, &mut room)));
+                };
+                Run::<W::Regular, _, _>::new(how, occluders, *light, &Regular, receivers, &visit).finish()
+            }
+        };
         match &self.pool {
             Some(pool) => pool.install(work),
             None => work(),
@@ -310,6 +331,13 @@ struct Numbers {
     receiver: usize,
     lit: u32,
     pairs: u32,
+}
+
+impl<W> Answer<'_, W> {
+    /// The same with rows in other words.
+    fn with_rows<'a, T>(&self, rows: &'a [T]) -> Answer<'a, T> {
+        Answer { receiver: self.receiver, rows, lit: self.lit, pairs: self.pairs }
+    }
 }
 
 impl<W: MaskWord> Answer<'_, W> {

@@ -23,7 +23,7 @@ use umbra4_core::{
     },
 };
 
-use crate::{ExecutorError, Isa, executor::Answer, scatter::Scatter, word::CpuWord};
+use crate::{ExecutorError, Isa, executor::Answer, scatter::Scatter, word::Kernels};
 
 /// How triangles and receivers are paired: the masks are the same bits, the time is not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -220,7 +220,7 @@ impl Cells {
     }
 
     /// Algorithm 1, lines 18 to 24, or Algorithm 3. Every receiver of the block is visited once.
-    pub(crate) fn resolve<W: CpuWord>(
+    pub(crate) fn resolve<W: Kernels<S>, S>(
         &self,
         input: &CellsInput<'_>,
         visit: &(impl Fn(Answer<'_, W>) + Sync),
@@ -233,7 +233,7 @@ impl Cells {
         });
         let all: Vec<u32> =
             if self.apart.is_empty() { Vec::new() } else { (0..input.triangles.len() as u32).collect() };
-        let apart = self.resolve_lists::<W>(input, &[(&self.apart, &all)], &|index, group, lane| {
+        let apart = self.resolve_lists::<W, S>(input, &[(&self.apart, &all)], &|index, group, lane| {
             let pairs = group.relevant[lane];
             visit(Answer { receiver: input.first + index, rows: &group.masks[lane][..rows], lit: false, pairs });
         });
@@ -242,11 +242,11 @@ impl Cells {
             .filter(|(receivers, _)| !receivers.is_empty())
             .collect();
         let counts = match input.options.binning {
-            Binning::OneCell => self.resolve_lists::<W>(input, &lists, &|index, group, lane| {
+            Binning::OneCell => self.resolve_lists::<W, S>(input, &lists, &|index, group, lane| {
                 let pairs = group.relevant[lane];
                 visit(Answer { receiver: input.first + index, rows: &group.masks[lane][..rows], lit: false, pairs });
             }),
-            Binning::AllCells => self.resolve_shared::<W>(input, &lists, visit),
+            Binning::AllCells => self.resolve_shared::<W, S>(input, &lists, visit),
         };
         apart.plus(counts)
     }
@@ -257,7 +257,7 @@ impl Cells {
     }
 
     /// Lists of receivers, each against its list of triangles. Calls `done(index, group, lane)` for every entry.
-    fn resolve_lists<W: CpuWord>(
+    fn resolve_lists<W: Kernels<S>, S>(
         &self,
         input: &CellsInput<'_>,
         lists: &[(&[u32], &[u32])],
@@ -296,7 +296,7 @@ impl Cells {
     }
 
     /// As [`Cells::resolve_lists`], where a receiver is in several cells: its masks are put together, then visited.
-    fn resolve_shared<W: CpuWord>(
+    fn resolve_shared<W: Kernels<S>, S>(
         &self,
         input: &CellsInput<'_>,
         lists: &[(&[u32], &[u32])],
@@ -306,7 +306,7 @@ impl Cells {
         let count = input.keys.len();
         let empty = || SharedMasks { words: vec![W::EMPTY; SHARED * rows], pairs: [0; SHARED], met: 0 };
         let blocks: Vec<_> = (0..count.div_ceil(SHARED)).map(|_| Mutex::new(empty())).collect();
-        let counts = self.resolve_lists::<W>(input, lists, &|index, group, lane| {
+        let counts = self.resolve_lists::<W, S>(input, lists, &|index, group, lane| {
             let mut block = blocks[index / SHARED].lock().unwrap_or_else(PoisonError::into_inner);
             let SharedMasks { words, pairs, met } = &mut *block;
             let k = index % SHARED;

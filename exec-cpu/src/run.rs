@@ -6,7 +6,6 @@ use rayon::prelude::*;
 use umbra4_core::{
     Counts, Executor, IndexKind, LatticeLight, Pass, Plan, Precision,
     edge_plane::{LightGrid, Occluder},
-    jitter::Pattern,
     lanes::TILE,
     order::Entry,
     proj4::{KeyTile, Keys, NODE, NOTHING, VertexKeys},
@@ -26,7 +25,7 @@ use crate::{
     hierarchy::build_level_of,
     order::ordered,
     silhouette::{Found, Silhouette},
-    word::CpuWord,
+    word::Kernels,
 };
 
 /// Groups a job: enough to pay for the job, few enough to share the work evenly.
@@ -43,8 +42,9 @@ pub(crate) struct How<'a> {
 
 /// An executor for one light and one set of receivers. Masks go to `visit` as soon as they are done; reducing them is
 /// the visitor's, so that they need not be stored.
-pub(crate) struct Run<'a, W, V> {
+pub(crate) struct Run<'a, W, S, V> {
     how: How<'a>,
+    samples: &'a S,
     occluders: &'a Occluders,
     receivers: &'a Receivers,
     visit: &'a V,
@@ -62,16 +62,18 @@ pub(crate) struct Run<'a, W, V> {
     kind: PhantomData<W>,
 }
 
-impl<'a, W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, V> {
+impl<'a, W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, S, V> {
     pub(crate) fn new(
         how: How<'a>,
         occluders: &'a Occluders,
         light: LatticeLight,
+        samples: &'a S,
         receivers: &'a Receivers,
         visit: &'a V,
     ) -> Self {
         Self {
             how,
+            samples,
             occluders,
             receivers,
             visit,
@@ -162,8 +164,7 @@ impl<'a, W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, V> {
         };
         let silhouette = self.silhouette.as_ref().map(|silhouette| silhouette.scene(scene));
         let light = &self.grid.light;
-        let pattern = light.jitter.is_some().then(|| Pattern::of(light));
-        let (How { isa, precision, .. }, visit) = (self.how, self.visit);
+        let (How { isa, precision, .. }, samples, visit) = (self.how, self.samples, self.visit);
         let (points, keys) = (self.receivers.points(), &self.receiver_keys);
         let total = Mutex::new(Counts::default());
         let empty = Group::<W>::empty(light.rows);
@@ -180,10 +181,9 @@ impl<'a, W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, V> {
                             None => group.set_behind(lane, light),
                         }
                     }
-                    match (&silhouette, &pattern) {
-                        (_, Some(pattern)) => W::resolve_jittered(isa, precision, &scene, pattern, group),
-                        (Some(silhouette), _) => W::resolve_silhouette(isa, precision, silhouette, group, room),
-                        (None, None) => W::resolve(isa, precision, &scene, group),
+                    match &silhouette {
+                        Some(scene) => W::resolve_silhouette(isa, precision, scene, samples, group, room),
+                        None => W::resolve(isa, precision, &scene, samples, group),
                     }
                     counts = counts.plus(group.counts);
                     for (lane, entry) in entries.iter().enumerate() {
@@ -204,7 +204,7 @@ impl<'a, W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, V> {
     }
 }
 
-impl<W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'_, W, V> {
+impl<W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'_, W, S, V> {
     /// The stages of the grid, for the block of `count` receivers from `first`.
     fn run_cells(&mut self, stage: Stage, first: usize) -> Result<(), ExecutorError> {
         let Index::Grid(options) = self.how.index else { return Ok(()) };
@@ -223,7 +223,7 @@ impl<W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'_, W, V> {
             Stage::BinReceivers => self.statistics.receiver_entries += self.cells.bin_receivers(&input)?,
             Stage::BinTriangles => self.statistics.triangle_entries += self.cells.bin_triangles(&input)?,
             _ => {
-                let counts = self.cells.resolve::<W>(&input, self.visit);
+                let counts = self.cells.resolve::<W, S>(&input, self.visit);
                 self.statistics.counts = self.statistics.counts.plus(counts);
             }
         }
@@ -231,7 +231,7 @@ impl<W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Run<'_, W, V> {
     }
 }
 
-impl<W: CpuWord, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W, V> {
+impl<W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W, S, V> {
     type Error = ExecutorError;
 
     fn dispatch(&mut self, pass: &Pass) -> Result<(), ExecutorError> {

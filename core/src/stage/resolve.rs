@@ -311,7 +311,7 @@ impl<const E: usize> Room<E> {
         let Self { outlines, lines } = self;
         let planes = 3 + mixed as usize;
         let Seen { mut outlined, unknown } = outlines.outline::<L, P, S>(grid, view, occluder, mixed, kept);
-        if TILE > 1 {
+        if TILE > 1 || S::JITTERED {
             // What is taken over below lies in the same room. A single lane is either outlined or unknown.
             fill_outlines::<L, W, P, S, E>(grid, samples, occluder, planes, outlined, outlines, group);
             outlined = 0;
@@ -323,12 +323,14 @@ impl<const E: usize> Room<E> {
                 let found = PairPlanes::new(&group.receivers, occluder);
                 alive = found.lines::<L, P, E>(grid, &group.receivers, sides, mixed, lines);
             }
-            if alive != 0 {
-                outlined |= outlines.take_over::<L, P, S>(lines, &grid.light, planes, alive);
+            if alive != 0 && !S::JITTERED {
+                outlined |= outlines.take_over::<L, P>(lines, &grid.light, planes, alive);
             }
         }
-        if TILE == 1 || unknown != 0 {
+        if !S::JITTERED && (TILE == 1 || unknown != 0) {
             fill_outlines::<L, W, P, S, E>(grid, samples, occluder, planes, outlined, outlines, group);
+        }
+        if TILE == 1 || unknown != 0 {
             fill_by_planes::<L, W, P, S, E>(grid, samples, occluder, planes, alive & !outlined, lines, group);
         }
     }

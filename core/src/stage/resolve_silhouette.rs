@@ -11,7 +11,7 @@ use crate::{
     edge_trace::{EdgeTrace, Seen, forget},
     frame::LightFrame,
     hierarchy::{Levels, Root, Walk},
-    jitter::Regular,
+    jitter::Samples,
     lanes::{Lanes, TILE},
     mask_word::MaskWord,
     precision::PrecisionMode,
@@ -64,33 +64,40 @@ impl<W: MaskWord> Default for SilhouetteRoom<W> {
 /// Fills the masks of a group. As [`crate::stage::resolve::resolve`], with the same bits; but only triangles that were
 /// rasterised count as relevant.
 #[inline(always)]
-pub fn resolve_silhouette<L: Lanes, W: MaskWord, P: PrecisionMode>(
+pub fn resolve_silhouette<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples>(
     scene: &SilhouetteScene<'_>,
+    samples: &S,
     group: &mut Group<W>,
     room: &mut SilhouetteRoom<W>,
 ) {
     let grid = scene.all.grid;
-    if group.active != 0 {
-        let Indexed { levels, nodes, things } = scene.mixed;
-        descend::<L, W, P, Regular>(grid, &Regular, levels, Root::top(levels), nodes, things, group);
-    }
-    let mut lost = 0;
-    if group.active != 0 {
-        lost = facing::<L, W, P>(scene, group, room);
-    }
-    if lost != 0 {
+    let Indexed { mut levels, mut nodes, mut things } = scene.mixed;
+    let mut last = false;
+    // One code for both walks over triangles: kernels of half the size.
+    loop {
+        if group.active != 0 {
+            descend::<L, W, P, S>(grid, samples, levels, Root::top(levels), nodes, things, group);
+        }
+        if last || group.active == 0 {
+            break;
+        }
+        let lost = facing::<L, W, P, S>(scene, samples, group, room);
+        if lost == 0 {
+            break;
+        }
         group.counts.receivers_lost += Tally::from(lost.count_ones());
         group.active = lost;
-        let Occlusion { levels, nodes, occluders, .. } = scene.all;
-        descend::<L, W, P, Regular>(grid, &Regular, levels, Root::top(levels), nodes, occluders, group);
+        Occlusion { levels, nodes, occluders: things, .. } = scene.all;
+        last = true;
     }
     group.sum_relevant();
 }
 
 /// Adds what facing triangles block. Returns the lanes of which nothing is known.
 #[inline(always)]
-fn facing<L: Lanes, W: MaskWord, P: PrecisionMode>(
+fn facing<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples>(
     scene: &SilhouetteScene<'_>,
+    samples: &S,
     group: &mut Group<W>,
     room: &mut SilhouetteRoom<W>,
 ) -> u32 {
@@ -105,7 +112,7 @@ fn facing<L: Lanes, W: MaskWord, P: PrecisionMode>(
     }
     let view = View::new::<L, P>(grid, &group.receivers, group.active);
     let mut lanes = Known { crossed: 0, lost: 0, most: [0; TILE] };
-    add_edges::<L, W, P>(scene, &view, &mut edges, &edge_need, &mut lanes, group, room);
+    add_edges::<L, W, P, S>(scene, samples, &view, &mut edges, &edge_need, &mut lanes, group, room);
 
     // Whoever sees no edge needs to know only whether anything is before the sample.
     let mut counts = [0_u32; TILE];
@@ -142,7 +149,7 @@ fn facing<L: Lanes, W: MaskWord, P: PrecisionMode>(
         if (group.active & !lanes.lost) >> lane & 1 == 1 {
             if lanes.crossed >> lane & 1 == 1 {
                 let light = &grid.light;
-                room.depths[lane].flush(counts[lane], light.rows, light.columns, &mut group.masks[lane]);
+                room.depths[lane].flush::<S>(counts[lane], light.rows, light.columns, &mut group.masks[lane]);
             } else if counts[lane] > 0 {
                 group.set_behind(lane, &grid.light);
             }
@@ -164,8 +171,9 @@ struct Known {
 
 /// Adds all edges of the silhouette to the depths.
 #[inline(always)]
-fn add_edges<L: Lanes, W: MaskWord, P: PrecisionMode>(
+fn add_edges<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples>(
     scene: &SilhouetteScene<'_>,
+    samples: &S,
     view: &View<L::Long>,
     edges: &mut Walk,
     need: &Keys,
@@ -187,7 +195,7 @@ fn add_edges<L: Lanes, W: MaskWord, P: PrecisionMode>(
                 continue;
             }
             group.counts.edges_kept += Tally::from(kept.count_ones());
-            let traced = room.trace.trace::<L, P>(view, edge, kept);
+            let traced = room.trace.trace::<L, P, S>(view, samples, edge, kept);
             lanes.lost |= traced.lost;
             let mut crossed = traced.crossed & !lanes.lost;
             lanes.crossed |= crossed;
@@ -201,7 +209,7 @@ fn add_edges<L: Lanes, W: MaskWord, P: PrecisionMode>(
                     mask: &mut group.masks[lane],
                     fallbacks: &mut group.counts.fallbacks,
                 };
-                if !room.trace.add::<L, W, P>(grid, &group.receivers, edge, lane, &mut seen) {
+                if !room.trace.add::<L, W, P, S>(grid, samples, &group.receivers, edge, lane, &mut seen) {
                     lanes.lost |= 1 << lane;
                 }
             }

@@ -87,20 +87,21 @@ impl Isa {
 
     /// Fills the masks of a group by the silhouette. `self` comes from [`Isa::available`].
     #[inline]
-    pub(crate) fn resolve_silhouette<W: MaskWord, P: PrecisionMode>(
+    pub(crate) fn resolve_silhouette<W: MaskWord, P: PrecisionMode, S: Samples>(
         self,
         scene: &SilhouetteScene<'_>,
+        samples: &S,
         group: &mut Group<W>,
         room: &mut SilhouetteRoom<W>,
     ) {
         match self {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: an executor only holds an instruction set that `available` has detected.
-            Self::Avx512 => unsafe { resolve_silhouette_avx512::<W, P>(scene, group, room) },
+            Self::Avx512 => unsafe { resolve_silhouette_avx512::<W, P, S>(scene, samples, group, room) },
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
-            Self::Avx2 => unsafe { resolve_silhouette_avx2::<W, P>(scene, group, room) },
-            Self::Portable => resolve_silhouette::<Sixteen, W, P>(scene, group, room),
+            Self::Avx2 => unsafe { resolve_silhouette_avx2::<W, P, S>(scene, samples, group, room) },
+            Self::Portable => resolve_silhouette::<Sixteen, W, P, S>(scene, samples, group, room),
         }
     }
 
@@ -150,22 +151,24 @@ fn resolve_avx2<W: MaskWord, P: PrecisionMode, S: Samples>(scene: &Occlusion<'_>
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn resolve_silhouette_avx512<W: MaskWord, P: PrecisionMode>(
+fn resolve_silhouette_avx512<W: MaskWord, P: PrecisionMode, S: Samples>(
     scene: &SilhouetteScene<'_>,
+    samples: &S,
     group: &mut Group<W>,
     room: &mut SilhouetteRoom<W>,
 ) {
-    resolve_silhouette::<avx512::Avx512, W, P>(scene, group, room);
+    resolve_silhouette::<avx512::Avx512, W, P, S>(scene, samples, group, room);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn resolve_silhouette_avx2<W: MaskWord, P: PrecisionMode>(
+fn resolve_silhouette_avx2<W: MaskWord, P: PrecisionMode, S: Samples>(
     scene: &SilhouetteScene<'_>,
+    samples: &S,
     group: &mut Group<W>,
     room: &mut SilhouetteRoom<W>,
 ) {
-    resolve_silhouette::<avx2::Avx2, W, P>(scene, group, room);
+    resolve_silhouette::<avx2::Avx2, W, P, S>(scene, samples, group, room);
 }
 
 #[cfg(target_arch = "x86_64")]
