@@ -1,10 +1,12 @@
 //! What a GPU runs, on the processor.
 
 use umbra4_core::{
-    Exact, Fast, PairWord,
+    Exact, Fast, PairWord, PrecisionMode,
     edge_plane::Occluder,
     gbuffer::ViewParams,
+    jitter::Regular,
     kernel::{
+        accumulate::accumulate,
         build_level::build_level,
         dispatch::{Dispatch, MaskLayout, counters, dispatches},
         half::{thin, upsample},
@@ -14,7 +16,7 @@ use umbra4_core::{
         pack::pack,
         probe::probe,
         reduce::reduce,
-        resolve::{ReceiverCounts, resolve_counted},
+        resolve::{DeviceWord, ReceiverCounts, resolve_counted},
         snap_receivers::{snap_depth, snap_position, upwards, upwards_of},
         snap_vertices::{snap_instances, snap_vertices},
         sort::{count_digits, scan_blocks, scatter_digits, sum_blocks},
@@ -22,7 +24,7 @@ use umbra4_core::{
     },
     mesh::MeshParams,
     order::Entry,
-    params::Params,
+    params::{JitteredParams, Params},
     plan::{Pass, Plan},
     proj4::{KeyTile, Keys},
     surface::Upwards,
@@ -39,6 +41,40 @@ macro_rules! check {
     };
 }
 
+/// As the entry points of regular samples call it.
+#[inline(always)]
+fn resolve_regular<W: DeviceWord, P: PrecisionMode>(
+    id: usize,
+    params: &Params,
+    receivers: &[[i32; 3]],
+    keys: &[Keys],
+    order: &[Entry],
+    occluders: &[Occluder],
+    nodes: &[KeyTile],
+    masks: &mut [u32],
+    counts: &mut [ReceiverCounts],
+) {
+    let samples = &Regular;
+    resolve_counted::<W, P, _>(id, params, samples, receivers, keys, order, occluders, nodes, masks, counts);
+}
+
+/// As those of jittered samples do.
+#[inline(always)]
+fn resolve_jittered<W: DeviceWord, P: PrecisionMode>(
+    id: usize,
+    told: &JitteredParams,
+    receivers: &[[i32; 3]],
+    keys: &[Keys],
+    order: &[Entry],
+    occluders: &[Occluder],
+    nodes: &[KeyTile],
+    masks: &mut [u32],
+    counts: &mut [ReceiverCounts],
+) {
+    let (params, samples) = (&told.params, &told.pattern);
+    resolve_counted::<W, P, _>(id, params, samples, receivers, keys, order, occluders, nodes, masks, counts);
+}
+
 check! { of Params:
     check_kernel_key_triangles = key_triangles,
         (vertices: &[[i32; 3]], triangles: &[[u32; 3]], keys: &mut [Keys], order: &mut [Entry]);
@@ -51,15 +87,25 @@ check! { of Params:
         (vertices: &[[i32; 3]], triangles: &[[u32; 3]], keys: &[Keys], order: &[Entry], occluders: &mut [Occluder],
         nodes: &mut [KeyTile]);
     check_kernel_build_level = build_level, (nodes: &mut [KeyTile]);
-    check_kernel_resolve_32 = resolve_counted::<u32, Exact>,
+    check_kernel_resolve_32 = resolve_regular::<u32, Exact>,
         (receivers: &[[i32; 3]], keys: &[Keys], order: &[Entry], occluders: &[Occluder], nodes: &[KeyTile],
         masks: &mut [u32], counts: &mut [ReceiverCounts]);
-    check_kernel_resolve_64 = resolve_counted::<PairWord, Fast>,
+    check_kernel_resolve_64 = resolve_regular::<PairWord, Fast>,
         (receivers: &[[i32; 3]], keys: &[Keys], order: &[Entry], occluders: &[Occluder], nodes: &[KeyTile],
         masks: &mut [u32], counts: &mut [ReceiverCounts]);
     check_kernel_reduce = reduce, (masks: &[u32], lit: &mut [u32]);
     check_kernel_pack = pack, (lit: &[u32], table: &[u32], image: &mut [u32]);
+    check_kernel_accumulate = accumulate, (lit: &[u32], sums: &mut [u32], image: &mut [u32]);
     check_kernel_probe = probe, (words: &[[u32; 8]], out: &mut [[u32; 8]]);
+}
+
+check! { of JitteredParams:
+    check_kernel_resolve_32_jittered = resolve_jittered::<u32, Exact>,
+        (receivers: &[[i32; 3]], keys: &[Keys], order: &[Entry], occluders: &[Occluder], nodes: &[KeyTile],
+        masks: &mut [u32], counts: &mut [ReceiverCounts]);
+    check_kernel_resolve_64_jittered = resolve_jittered::<PairWord, Fast>,
+        (receivers: &[[i32; 3]], keys: &[Keys], order: &[Entry], occluders: &[Occluder], nodes: &[KeyTile],
+        masks: &mut [u32], counts: &mut [ReceiverCounts]);
 }
 
 check! { of MeshParams:

@@ -1,11 +1,13 @@
 //! What hosts run once a light or a scene.
 
 use umbra4_core::{
-    AreaLight, Bounds, Lattice, LatticeError, LatticeLight, Lift, LightError, Plan, SceneFacts, SnapError,
+    AreaLight, Bounds, Jitter, Lattice, LatticeError, LatticeLight, Lift, LightError, Plan, SceneFacts, SnapError,
+    accumulate::{Accumulation, AccumulationError},
     edge_plane::LightGrid,
     exact,
     frame::LightFrame,
     glam::{DVec3, IVec3, Vec3},
+    jitter::Pattern,
     order::CodeFrame,
     plan::Pass,
     stage::Stage,
@@ -35,7 +37,8 @@ pub extern "C" fn check_light(
     lattice: &Lattice,
     lift: Lift,
 ) -> Result<LatticeLight, LightError> {
-    AreaLight::new(corner, edges[0], edges[1], counts[0], counts[1])?.snap(lattice, lift)
+    let light = AreaLight::new(corner, edges[0], edges[1], counts[0], counts[1])?;
+    light.with_jitter(Jitter::pattern(counts[0])).snap(lattice, lift)
 }
 
 #[unsafe(no_mangle)]
@@ -77,4 +80,24 @@ pub extern "C" fn check_blocks(
 #[unsafe(no_mangle)]
 pub extern "C" fn check_codes(frame: &LightFrame, bounds: [IVec3; 2]) -> CodeFrame {
     CodeFrame::around(frame, bounds)
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_sample(light: &LatticeLight, row: u32, column: u32) -> (IVec3, Pattern) {
+    (light.sample(row, column), Pattern::of(light))
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_accumulate(
+    accumulation: &mut Accumulation<&mut [u32]>,
+    scene: u64,
+    light: &LatticeLight,
+    lit: &[u32],
+) -> Result<(u32, Jitter), AccumulationError> {
+    Ok((accumulation.add(scene, light, lit)?, accumulation.next_jitter()))
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_accumulated(accumulation: &Accumulation<&mut [u32]>, visibility: &mut [f32]) {
+    visibility.iter_mut().zip(accumulation.visibility()).for_each(|(to, from)| *to = from);
 }

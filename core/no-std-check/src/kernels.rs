@@ -5,6 +5,7 @@ use umbra4_core::{
     edge_plane::Occluder,
     frame::LightFrame,
     glam::{IVec3, Vec3},
+    jitter::{Pattern, Regular},
     lanes::Sixteen,
     order::{CodeFrame, code},
     proj4::{KeyTile, Keys, VertexKeys},
@@ -113,7 +114,7 @@ impl Executor for Counting {
 
 /// Everything that is generic, for one word and one precision; a function of its own each, so that a name can be given.
 macro_rules! instantiate {
-    ($($module:ident: $word:ty, $precision:ty;)*) => {$(
+    ($($module:ident: $word:ty, $precision:ty, $samples:ty;)*) => {$(
         pub mod $module {
             use super::*;
 
@@ -137,31 +138,33 @@ macro_rules! instantiate {
             }
 
             #[unsafe(export_name = concat!("check_resolve_sixteen_", stringify!($module)))]
-            pub extern "C" fn resolve_sixteen(scene: &Occlusion<'_>, group: &mut Group<$word>) {
-                resolve::<Sixteen, $word, $precision>(scene, group);
+            pub extern "C" fn resolve_sixteen(scene: &Occlusion<'_>, samples: &$samples, group: &mut Group<$word>) {
+                resolve::<Sixteen, $word, $precision, _>(scene, samples, group);
             }
 
             #[unsafe(export_name = concat!("check_resolve_silhouette_sixteen_", stringify!($module)))]
             pub extern "C" fn resolve_silhouette_sixteen(
                 scene: &SilhouetteScene<'_>,
+                samples: &$samples,
                 group: &mut Group<$word>,
                 room: &mut SilhouetteRoom<$word>,
             ) {
-                resolve_silhouette::<Sixteen, $word, $precision>(scene, group, room);
+                resolve_silhouette::<Sixteen, $word, $precision, _>(scene, samples, group, room);
             }
 
             #[unsafe(export_name = concat!("check_resolve_silhouette_one_", stringify!($module)))]
             pub extern "C" fn resolve_silhouette_one(
                 scene: &SilhouetteScene<'_>,
+                samples: &$samples,
                 group: &mut Group<$word>,
                 room: &mut SilhouetteRoom<$word>,
             ) {
-                resolve_silhouette::<f32, $word, $precision>(scene, group, room);
+                resolve_silhouette::<f32, $word, $precision, _>(scene, samples, group, room);
             }
 
             #[unsafe(export_name = concat!("check_resolve_one_", stringify!($module)))]
-            pub extern "C" fn resolve_one(scene: &Occlusion<'_>, group: &mut Group<$word>) {
-                resolve::<f32, $word, $precision>(scene, group);
+            pub extern "C" fn resolve_one(scene: &Occlusion<'_>, samples: &$samples, group: &mut Group<$word>) {
+                resolve::<f32, $word, $precision, _>(scene, samples, group);
             }
 
             #[unsafe(export_name = concat!("check_reduce_", stringify!($module)))]
@@ -181,12 +184,14 @@ macro_rules! instantiate {
 }
 
 instantiate! {
-    u16_exact: u16, Exact;
-    u32_exact: u32, Exact;
-    u64_exact: u64, Exact;
-    pair_exact: PairWord, Exact;
-    u16_fast: u16, Fast;
-    u32_fast: u32, Fast;
-    u64_fast: u64, Fast;
-    pair_fast: PairWord, Fast;
+    u16_exact: u16, Exact, Regular;
+    u32_exact: u32, Exact, Regular;
+    u64_exact: u64, Exact, Regular;
+    pair_exact: PairWord, Exact, Regular;
+    u16_fast: u16, Fast, Regular;
+    u32_fast: u32, Fast, Regular;
+    u64_fast: u64, Fast, Regular;
+    pair_fast: PairWord, Fast, Regular;
+    jittered_u32_exact: u32, Exact, Pattern;
+    jittered_u64_fast: u64, Fast, Pattern;
 }
