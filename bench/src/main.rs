@@ -11,6 +11,7 @@ mod gpu_args;
 mod gpu_rival;
 mod gpu_table;
 mod image_size;
+mod lookup;
 mod memory;
 mod optimisations;
 mod picture;
@@ -35,6 +36,7 @@ use clap::{Args, Parser, Subcommand};
 use compare::{CompareError, Comparison, Options, compare};
 use curves::CurvesArgs;
 use gpu_args::GpuArgs;
+use lookup::LookupArgs;
 use memory::{ChildArgs, MemoryArgs};
 use scene::PAPER_LIGHT;
 use sweep::SweepArgs;
@@ -73,6 +75,8 @@ enum Command {
     Gpu(GpuArgs),
     /// Measures what each of the paper's optimisations pays, and prints Markdown tables.
     Optimisations(OptimisationsArgs),
+    /// Compares masks that are looked up by the lines of edges with core's rows, and prints a Markdown table.
+    Lookup(LookupArgs),
 }
 
 /// Contenders that a plain run compares.
@@ -332,5 +336,6 @@ fn main() -> ExitCode {
         Command::Verify(args) => run_verify(&args).unwrap_or_else(|e| fail(&e)),
         Command::Gpu(args) => args.run().unwrap_or_else(|e| fail(&e)),
         Command::Optimisations(args) => run_optimisations(&args).map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
+        Command::Lookup(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
     }
 }
