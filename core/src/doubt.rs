@@ -1,5 +1,8 @@
 //! Doubtful samples of one pair, decided in integers.
 
+// On a GPU no structure holds references: what goes together is handed on one by one.
+#![allow(clippy::too_many_arguments)]
+
 use glam::IVec3;
 
 use crate::{

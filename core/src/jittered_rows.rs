@@ -14,6 +14,9 @@
 //! column is taken from it, 1·|X| for b_i, 2·|β| + 64 for t_j, 1·|X| for the limits of intervals. In all less than `320 + 80·|β|`: the
 //! slack.
 
+// On a GPU no structure holds references: what goes together is handed on one by one.
+#![allow(clippy::too_many_arguments)]
+
 use crate::{
     doubt::{Margins, PairForms, PairIntegers},
     jitter::{LAST_PLACE, Samples},

@@ -5,6 +5,9 @@
 //! `edge_plane`; then `row_mask`, and `doubt` where a float cannot tell. A receiver whose mask is full drops out, and
 //! the walk ends with the last of them.
 
+// On a GPU no structure holds references: what goes together is handed on one by one.
+#![allow(clippy::too_many_arguments)]
+
 use crate::{
     bit_mask,
     doubt::PairIntegers,

@@ -4,6 +4,9 @@
 //! Triangles whose plane meets the light are no part of the chain, and are rasterised one by one. So are all triangles for
 //! receivers that [`crate::edge_trace`] loses.
 
+// On a GPU no structure holds references: what goes together is handed on one by one.
+#![allow(clippy::too_many_arguments)]
+
 use crate::{
     corner::blocked,
     depth::{Depths, MOST_DEPTH},
