@@ -124,7 +124,7 @@ fn every_bit_of_jittered_samples_is_right() {
     // Regular ones are not listed: their file is as it ever was.
     folder.succeed(&format!("{MASKS} --samples 8"));
     assert_ne!(light_samples(&folder, 8), first);
-    let mut names: Vec<String> = archive(&folder).file_names().map(str::to_owned).collect();
+    let mut names: Vec<String> = archive(&folder).file_names().map(|name| name.unwrap().into_owned()).collect();
     names.sort();
     assert_eq!(names, ["origin.npy", "receivers.npy", "step_u.npy", "step_v.npy", "triangles.npy"]);
 }
