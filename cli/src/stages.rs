@@ -16,7 +16,7 @@ impl Stages {
     /// `count` stages are to come. The bar draws on stderr, and only where that is a terminal.
     pub fn new(count: u64) -> Self {
         let bar = ProgressBar::new(count);
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg:<32} [{bar:32}] {pos}/{len} {elapsed}") {
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg:<38} [{bar:32}] {pos}/{len} {elapsed}") {
             bar.set_style(style);
         }
         Self { bar, done: Report::default() }
