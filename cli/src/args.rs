@@ -86,6 +86,9 @@ pub struct RenderArgs {
     /// Light samples each way
     #[arg(long, value_name = "N", default_value = "32", value_parser = ["8", "16", "32", "64"])]
     pub samples: String,
+    /// Jitter the light samples, others in every frame, and accumulate so many frames: bands become noise, and then neither
+    #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub jitter: Option<u32>,
     /// How the work is done
     #[command(flatten)]
     pub work: WorkArgs,
@@ -120,10 +123,13 @@ pub struct MasksArgs {
     /// Light samples each way, 1 to 64
     #[arg(long, value_name = "N")]
     pub samples: u32,
+    /// Jitter the light samples by the pattern of this number [default: regular samples]
+    #[arg(long, value_name = "PATTERN", value_parser = clap::value_parser!(u32).range(0..1 << 31))]
+    pub jitter: Option<u32>,
     /// Masks: uint16, uint32 or uint64 of shape (R, N), bit j of row i set where sample (i, j) is blocked
     #[arg(short, long, value_name = "MASKS.npy")]
     pub output: PathBuf,
-    /// Also write the integers on which the answer is exact: receivers, triangles, origin, step_u, step_v
+    /// Also write the integers on which the answer is exact: receivers, triangles, origin, step_u, step_v; with jitter, samples
     #[arg(long, value_name = "L.npz")]
     pub lattice_out: Option<PathBuf>,
     /// Print counts and times as JSON
@@ -238,6 +244,7 @@ impl RenderArgs {
             view: View::Shaded,
             oversample: 1,
             samples: "32".to_owned(),
+            jitter: None,
             work: WorkArgs::default(),
         }
     }

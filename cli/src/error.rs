@@ -2,7 +2,7 @@
 
 use std::{fmt::Display, io};
 
-use umbra4_core::{LatticeError, LightError};
+use umbra4_core::{LatticeError, LightError, accumulate::AccumulationError};
 use umbra4_cpu::{ExecutorError, SceneError};
 use umbra4_wgpu::GpuError;
 
@@ -40,6 +40,8 @@ pub enum ProgramError {
     Executor(#[from] ExecutorError),
     /// The GPU.
     Gpu(#[from] GpuError),
+    /// Frames that do not belong together.
+    Accumulation(#[from] AccumulationError),
     /// Visibilities that cannot be compared.
     Compare(#[from] CompareError),
     /// A plot that cannot be drawn.

@@ -34,6 +34,20 @@ impl Report {
     pub fn seconds(&self) -> f64 {
         self.seconds_by_stage.iter().map(|(_, seconds)| seconds).sum()
     }
+
+    /// Adds the seconds of a stage, to its own if it has been there before.
+    pub fn add_stage(&mut self, stage: &str, seconds: f64) {
+        match self.seconds_by_stage.iter_mut().find(|(name, _)| name == stage) {
+            Some((_, sum)) => *sum += seconds,
+            None => self.seconds_by_stage.push((stage.to_owned(), seconds)),
+        }
+    }
+
+    /// Adds another run, stage by stage.
+    pub fn add(&mut self, other: &Self) {
+        other.seconds_by_stage.iter().for_each(|(stage, seconds)| self.add_stage(stage, *seconds));
+        self.counts = self.counts.plus(other.counts);
+    }
 }
 
 impl From<umbra4_cpu::Statistics> for Report {
@@ -124,6 +138,24 @@ impl AnyExecutor {
             Self::Gpu(gpu) => {
                 let (visibility, statistics) = gpu.visibility(&on_lattice(occluders), light, receivers.points())?;
                 Ok((visibility, statistics.into()))
+            }
+        }
+    }
+
+    /// The lit samples of every receiver.
+    ///
+    /// # Errors
+    /// The executor's.
+    pub fn lit_counts(&self, scene: Scene<'_>) -> Result<(Vec<u32>, Report), ProgramError> {
+        let (occluders, light, receivers) = scene;
+        match self {
+            Self::Cpu(cpu) => {
+                let (lit, statistics) = cpu.lit_counts(occluders, light, receivers)?;
+                Ok((lit, statistics.into()))
+            }
+            Self::Gpu(gpu) => {
+                let (lit, statistics) = gpu.lit_counts(&on_lattice(occluders), light, receivers.points())?;
+                Ok((lit, statistics.into()))
             }
         }
     }

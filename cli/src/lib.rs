@@ -12,6 +12,7 @@ pub mod commands;
 pub mod error;
 pub mod executor;
 pub mod fit;
+pub mod frames;
 pub mod in_file;
 pub mod light_file;
 pub mod model;

@@ -9,17 +9,17 @@ use crate::executor::Report;
 /// Runs stages one after the other, timed.
 pub struct Stages {
     bar: ProgressBar,
-    seconds: Vec<(String, f64)>,
+    done: Report,
 }
 
 impl Stages {
     /// `count` stages are to come. The bar draws on stderr, and only where that is a terminal.
     pub fn new(count: u64) -> Self {
         let bar = ProgressBar::new(count);
-        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg:<32} [{bar:32}] {pos}/{len} {elapsed}") {
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg:<38} [{bar:32}] {pos}/{len} {elapsed}") {
             bar.set_style(style);
         }
-        Self { bar, seconds: Vec::new() }
+        Self { bar, done: Report::default() }
     }
 
     /// `count` more stages are to come.
@@ -33,15 +33,16 @@ impl Stages {
         self.bar.enable_steady_tick(std::time::Duration::from_millis(100));
         let start = Instant::now();
         let result = work();
-        self.seconds.push((name.to_owned(), start.elapsed().as_secs_f64()));
+        self.done.seconds_by_stage.push((name.to_owned(), start.elapsed().as_secs_f64()));
         self.bar.inc(1);
         result
     }
 
-    /// Puts the executor's stages in the place of the one that ran it last.
-    pub fn split_last(&mut self, report: &Report) {
-        self.seconds.pop();
-        self.seconds.extend(report.seconds_by_stage.iter().cloned());
+    /// Puts the executor's stages in the place of the last `runs`, which ran it.
+    pub fn split_last(&mut self, runs: usize, report: &Report) {
+        let seconds = &mut self.done.seconds_by_stage;
+        seconds.truncate(seconds.len().saturating_sub(runs));
+        self.done.add(report);
     }
 
     /// Takes the bar away.
@@ -53,10 +54,9 @@ impl Stages {
     pub fn table(self) -> String {
         self.clear();
         let mut table = String::from("stage                seconds\n");
-        for (name, seconds) in &self.seconds {
+        for (name, seconds) in &self.done.seconds_by_stage {
             table += &format!("{name:<18} {seconds:>9.3}\n");
         }
-        let sum: f64 = self.seconds.iter().map(|(_, s)| s).sum();
-        table + &format!("{:<18} {sum:>9.3}\n", "sum")
+        table + &format!("{:<18} {:>9.3}\n", "sum", self.done.seconds())
     }
 }

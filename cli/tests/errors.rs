@@ -43,6 +43,10 @@ fn lights() {
         folder.write("light.json", text);
         folder.fail(MASKS, words);
     }
+    // Jittered samples need a larger light than regular ones.
+    folder.write("light.json", r#"{"corner":[0,4,0],"edge_u":[2e-5,0,0],"edge_v":[0,0,2e-5]}"#);
+    folder.fail(&format!("{MASKS} --jitter 0"), "too fine");
+    folder.succeed(MASKS);
 }
 
 #[test]
@@ -72,6 +76,12 @@ fn options() {
     folder.fail("masks --model model.obj", "--light");
     folder.fail("render model.obj -o out.jpg", "unknown picture format");
     folder.fail("render model.obj -o out.png --samples 9", "--samples");
+    for frames in ["0", "4097", "-1", "some"] {
+        folder.fail(&format!("render model.obj -o out.png --jitter={frames}"), "--jitter <FRAMES>");
+    }
+    for pattern in ["2147483648", "-1", "some"] {
+        folder.fail(&format!("{MASKS} --jitter={pattern}"), "--jitter <PATTERN>");
+    }
     folder.fail("render model.obj -o out.png --size 0x9", "--size");
     folder.fail("render model.obj -o out.png --camera-from 1,2", "--camera-from");
     folder.fail("render model.obj -o out.png --camera-from 1,2,3 --camera-to 1,2,3", "camera");

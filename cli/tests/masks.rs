@@ -26,15 +26,36 @@ fn blocked(p: Point, sample: Point, [a, b, c]: [Point; 3]) -> bool {
     near * far < 0 && (edges.iter().all(|&e| e >= 0) || edges.iter().all(|&e| e <= 0))
 }
 
+fn archive(folder: &Folder) -> zip::ZipArchive<File> {
+    zip::ZipArchive::new(File::open(folder.path("L.npz")).unwrap()).unwrap()
+}
+
 /// L.npz as points.
 fn lattice(folder: &Folder, name: &str) -> Vec<Point> {
-    let mut archive = zip::ZipArchive::new(File::open(folder.path("L.npz")).unwrap()).unwrap();
+    shaped_lattice(folder, name).1
+}
+
+/// The same, and the shape of the array.
+fn shaped_lattice(folder: &Folder, name: &str) -> (Vec<u64>, Vec<Point>) {
     let mut bytes = Vec::new();
-    archive.by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
+    archive(folder).by_name(&format!("{name}.npy")).unwrap().read_to_end(&mut bytes).unwrap();
     let (shape, kind, values) = parse_array::<i32>(&bytes);
     assert_eq!(kind, "'<i4'");
     assert_eq!(shape.last(), Some(&3));
-    values.chunks_exact(3).map(|p| [p[0].into(), p[1].into(), p[2].into()]).collect()
+    (shape, values.chunks_exact(3).map(|p| [p[0].into(), p[1].into(), p[2].into()]).collect())
+}
+
+/// All samples, row by row: from the steps, or, where they are jittered, as they are listed.
+fn light_samples(folder: &Folder, samples: usize) -> Vec<Point> {
+    let [origin, u, v] = ["origin", "step_u", "step_v"].map(|name| lattice(folder, name)[0]);
+    if archive(folder).index_for_name("samples.npy").is_none() {
+        let point =
+            |k: usize| std::array::from_fn(|i| origin[i] + v[i] * (k / samples) as i128 + u[i] * (k % samples) as i128);
+        return (0..samples * samples).map(point).collect();
+    }
+    let (shape, points) = shaped_lattice(folder, "samples");
+    assert_eq!(shape, [samples as u64, samples as u64, 3]);
+    points
 }
 
 fn check<T: npyz::Deserialize + Into<u64> + Copy>(folder: &Folder, samples: usize, kind: &str) {
@@ -42,6 +63,7 @@ fn check<T: npyz::Deserialize + Into<u64> + Copy>(folder: &Folder, samples: usiz
     let (receivers, corners) = (lattice(folder, "receivers"), lattice(folder, "triangles"));
     let [origin, u, v] = ["origin", "step_u", "step_v"].map(|name| lattice(folder, name)[0]);
     assert_eq!((shape, found.as_str()), (vec![receivers.len() as u64, samples as u64], kind));
+    let light = light_samples(folder, samples);
     let mut blocked_bits = 0;
     for (r, &p) in receivers.iter().enumerate() {
         let behind = determinant(u, v, minus(p, origin)) <= 0;
@@ -49,7 +71,7 @@ fn check<T: npyz::Deserialize + Into<u64> + Copy>(folder: &Folder, samples: usiz
             let word: u64 = words[r * samples + row].into();
             assert_eq!(word.checked_shr(samples as u32).unwrap_or(0), 0);
             for column in 0..samples {
-                let sample = std::array::from_fn(|k| origin[k] + v[k] * row as i128 + u[k] * column as i128);
+                let sample = light[row * samples + column];
                 let triangles = corners.as_chunks::<3>().0;
                 let expected = behind || triangles.iter().any(|&t| blocked(p, sample, t));
                 assert_eq!(word >> column & 1 == 1, expected, "receiver {r}, sample ({row}, {column})");
@@ -79,6 +101,32 @@ fn every_bit_is_right_in_every_word_width() {
         folder.succeed(&format!("{MASKS} --samples {samples} --threads 2"));
         check::<u64>(&folder, samples, "'<u8'");
     }
+}
+
+#[test]
+fn every_bit_of_jittered_samples_is_right() {
+    let folder = Folder::new();
+    let jittered = |samples: usize, pattern: u32| {
+        folder.succeed(&format!("{MASKS} --samples {samples} --jitter {pattern}"));
+        light_samples(&folder, samples)
+    };
+    let first = jittered(8, 0);
+    check::<u16>(&folder, 8, "'<u2'");
+    assert_ne!(jittered(8, 1), first);
+    check::<u16>(&folder, 8, "'<u2'");
+    jittered(1, 7);
+    check::<u16>(&folder, 1, "'<u2'");
+    jittered(21, 1000);
+    check::<u32>(&folder, 21, "'<u4'");
+    jittered(64, (1 << 31) - 1);
+    check::<u64>(&folder, 64, "'<u8'");
+
+    // Regular ones are not listed: their file is as it ever was.
+    folder.succeed(&format!("{MASKS} --samples 8"));
+    assert_ne!(light_samples(&folder, 8), first);
+    let mut names: Vec<String> = archive(&folder).file_names().map(|name| name.unwrap().into_owned()).collect();
+    names.sort();
+    assert_eq!(names, ["origin.npy", "receivers.npy", "step_u.npy", "step_v.npy", "triangles.npy"]);
 }
 
 #[test]

@@ -43,6 +43,34 @@ fn a_model_gets_a_camera_a_light_and_a_ground() {
 }
 
 #[test]
+fn frames_of_jittered_samples_accumulate() {
+    let folder = Folder::new();
+    let render = |name: &str, options: &str| {
+        let table = folder
+            .succeed(&format!("render --builtin -o {name}.exr --size 48x32 --samples 8 --view visibility {options}"));
+        (table, image::open(folder.path(&format!("{name}.exr"))).unwrap().into_rgb32f())
+    };
+    let (table, regular) = render("regular", "");
+    assert!(table.contains("8×8 light samples,"), "{table}");
+    let (table, one) = render("one", "--jitter 1");
+    assert!(table.contains("8×8 jittered light samples, 1 frame,"), "{table}");
+    let (table, four) = render("four", "--jitter 4");
+    assert!(table.contains("8×8 jittered light samples, 4 frames,"), "{table}");
+    assert!(one != regular && four != regular && one != four);
+    // Four times as many steps of grey.
+    let whole = |picture: &image::Rgb32FImage, steps: f32| picture.iter().all(|v| (v * steps).fract() == 0.0);
+    assert!(whole(&one, 64.0) && whole(&four, 256.0) && !whole(&four, 64.0));
+    // Stages are those of all frames together.
+    for stage in ["snap", "resolve", "accumulate", "shade", "sum"] {
+        assert_eq!(table.lines().filter(|line| line.split(' ').next() == Some(stage)).count(), 1, "{stage}: {table}");
+    }
+
+    let table = folder.succeed("render --builtin -o p.png --size 16x16 --samples 8 --view pairs --jitter 9");
+    assert!(table.contains("jittered light samples, 1 frame,"), "{table}");
+    folder.succeed("render model.obj -o many.png --size 2x2 --samples 64 --no-ground --jitter 4096");
+}
+
+#[test]
 fn degenerate_models_and_empty_views_work() {
     let folder = Folder::new();
     folder.write("model.obj", "v 0 1 0\nv 1 1 0\nv 2 1 0\nf 1 2 3\n");

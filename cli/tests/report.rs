@@ -7,8 +7,9 @@ use std::fs;
 
 use common::Folder;
 
-/// Methods on a machine without a GPU: two precisions at four resolutions, and eight of rays.
-const METHODS: usize = 16;
+/// Methods on a machine without a GPU: two precisions, and jittered samples, at four resolutions; six numbers of frames; and
+/// eight of rays.
+const METHODS: usize = 26;
 
 #[test]
 fn the_built_in_scene() {
@@ -20,13 +21,17 @@ fn the_built_in_scene() {
     for words in ["http://", "https://", "NaN", "inf<"] {
         assert!(!html.contains(words), "the page holds {words}");
     }
-    for words in ["<svg", "data:image/png;base64,", "umbra4 report", "128×128", "2 threads", "BVH"] {
+    for words in
+        ["<svg", "frames accumulated", "data:image/png;base64,", "umbra4 report", "128×128", "2 threads", "BVH"]
+    {
         assert!(html.contains(words), "the page lacks {words}");
     }
 
     let csv = fs::read_to_string(folder.path("out/report.csv")).unwrap();
     let rows: Vec<Vec<&str>> = csv.lines().skip(1).map(fields).collect();
     assert!(rows.len() > METHODS, "{csv}");
+    let names: std::collections::HashSet<&str> = rows.iter().map(|row| row[0]).collect();
+    assert_eq!(names.len(), rows.len(), "{csv}");
     let columns: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
     let column = |name: &str| columns.iter().position(|c| *c == name).unwrap();
     let value = |row: &[&str], name: &str| row[column(name)].parse::<f64>().unwrap();
@@ -42,11 +47,27 @@ fn the_built_in_scene() {
         assert!(0.0 < mean && mean < largest && largest <= 1.0, "{row:?}");
         assert!(value(row, "seconds") > 0.0 && value(row, "flip") > 0.0, "{row:?}");
     }
-    let error = |name: &str| value(methods.iter().find(|row| row[0] == name).unwrap(), "mean_error");
+    let of = |name: &str, column: &str| value(methods.iter().find(|row| row[0] == name).unwrap(), column);
+    let error = |name: &str| of(name, "mean_error");
     let exact = [8, 16, 32, 64].map(|n| error(&format!("umbra4 exact, {n}×{n}")));
     assert!(exact.windows(2).all(|pair| pair[1] < pair[0]), "{exact:?}");
     let jittered = [4, 64, 1024].map(|n| error(&format!("BVH rays, jittered samples, {n}")));
     assert!(jittered.windows(2).all(|pair| pair[1] < pair[0]), "{jittered:?}");
+    let once = [8, 16, 32, 64].map(|n| error(&format!("umbra4 exact, jittered, {n}×{n}")));
+    assert!(once.windows(2).all(|pair| pair[1] < pair[0]), "{once:?}");
+    assert!(once.iter().zip(exact).all(|(once, exact)| (0.3..3.0).contains(&(once / exact))), "{once:?}, {exact:?}");
+    let names = [2, 4, 8, 16, 32, 64].map(|n| (n, format!("umbra4 exact, 8×8 jittered, {n} frames")));
+    for (frames, name) in &names {
+        assert_eq!((of(name, "frames"), of(name, "samples")), (f64::from(*frames), 64.0));
+    }
+    for column in ["mean_error", "flip"] {
+        let falls = names.windows(2).all(|pair| of(&pair[1].1, column) < of(&pair[0].1, column));
+        assert!(falls && of(&names[0].1, column) < of("umbra4 exact, jittered, 8×8", column), "{csv}");
+    }
+    assert!(names.windows(2).all(|pair| of(&pair[1].1, "seconds") > of(&pair[0].1, "seconds")), "{csv}");
+    assert!(error(&names[5].1) < 0.2 * once[0], "{csv}");
+    let of_many = methods.iter().filter(|row| value(row, "frames") != 1.0).count();
+    assert_eq!((of_many, value(reference, "frames")), (names.len(), 1.0));
     // The same samples: all but a few bits.
     assert!((error("BVH rays, regular samples, 16×16") / exact[1] - 1.0).abs() < 0.05);
 
@@ -75,6 +96,9 @@ fn what_cannot_be_reported_is_refused() {
         .fail("report --builtin --size 8x8 --camera-from 0,50,0 --camera-to 0,90,0 -o out", "the camera sees nothing");
     folder.write("light.json", r#"{"corner":[0,4,0],"edge_u":[1e-5,0,0],"edge_v":[0,0,1e-5]}"#);
     folder.fail("report model.obj --light light.json --size 8x8 -o out", "too fine");
+    // Fine enough for regular samples, not for jittered ones.
+    folder.write("light.json", r#"{"corner":[0,4,0],"edge_u":[2e-4,0,0],"edge_v":[0,0,2e-4]}"#);
+    folder.fail("report model.obj --light light.json --size 8x8 --no-ground -o out", "too fine");
 }
 
 /// The fields of a line, without the quotes of those that have them.

@@ -6,7 +6,7 @@ use std::{
 };
 
 use serde_json::json;
-use umbra4_core::{Lift, glam::IVec3};
+use umbra4_core::{Jitter, Lift, glam::IVec3};
 use umbra4_cpu::{CpuWord, Occluders, Receivers};
 
 use crate::{
@@ -21,7 +21,8 @@ use crate::{
 
 pub(super) fn run(args: &MasksArgs) -> Result<(), ProgramError> {
     let executor = AnyExecutor::new(&args.work)?;
-    let light = light_file::read(&args.light)?.sampled(args.samples)?;
+    let jitter = args.jitter.map_or(Jitter::NONE, Jitter::pattern);
+    let light = light_file::read(&args.light)?.sampled(args.samples)?.with_jitter(jitter);
     let model = model::load_f64(&args.model)?;
     let points = array_file::read_points(&args.receivers)?;
 
@@ -59,14 +60,20 @@ fn write_masks<W: CpuWord + npyz::AutoSerialize>(
 fn write_lattice((occluders, light, receivers): Scene<'_>, path: &Path) -> Result<Prepared, ProgramError> {
     let corners: Vec<IVec3> = (0..occluders.triangles().len()).filter_map(|t| occluders.corners(t)).flatten().collect();
     let counts = [receivers.len() as u64, occluders.triangles().len() as u64];
-    let arrays: [(&str, &[u64], &[IVec3]); 5] = [
+    let [rows, columns] = [light.rows, light.columns];
+    let samples: Vec<IVec3> = (0..rows * columns).map(|k| light.sample(k / columns, k % columns)).collect();
+    let grid = [rows.into(), columns.into(), 3];
+    let arrays: [(&str, &[u64], &[IVec3]); 6] = [
         ("receivers", &[counts[0], 3], receivers.points()),
         ("triangles", &[counts[1], 3, 3], &corners),
         ("origin", &[3], &[light.origin]),
         ("step_u", &[3], &[light.step_u]),
         ("step_v", &[3], &[light.step_v]),
+        ("samples", &grid, &samples),
     ];
-    Ok(prepare(path, |writer| Ok(array_file::write_lattice_points(writer, &arrays)?))?)
+    // Regular samples follow from the steps.
+    let arrays = if light.jitter.is_some() { &arrays[..] } else { &arrays[..5] };
+    Ok(prepare(path, |writer| Ok(array_file::write_lattice_points(writer, arrays)?))?)
 }
 
 /// Seconds are those of index and masks: files and their parsing are not in them.

@@ -2,13 +2,14 @@
 
 use std::io::{Write, stdout};
 
-use umbra4_core::{Bounds, Lattice, Lift, glam::Vec3};
+use umbra4_core::{Bounds, Jitter, Lattice, Lift, glam::Vec3};
 use umbra4_cpu::{Occluders, Receivers};
 
 use crate::{
     args::{RenderArgs, View},
     error::ProgramError,
     executor::AnyExecutor,
+    frames::Frames,
     picture::PictureFormat,
     primary,
     scene::{self, Scene},
@@ -24,14 +25,17 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     let (width, height) = args.scene.pixels();
     let fine = |pixels: u32| pixels * args.oversample;
     scene::check_pixels(fine(width), fine(height))?;
+    // How often each receiver is met is a matter of one frame.
+    let frames = args.jitter.map(|frames| if args.view == View::Pairs { 1 } else { frames });
     let mut stages = Stages::new(STAGES);
 
     let scene = stages.run("load", || Scene::load(&args.scene))?;
     // clap lets nothing but 8, 16, 32 and 64 through; whatever else is refused by the light.
     let area = scene.light.sampled(args.samples.parse().unwrap_or(0))?;
+    let area = area.with_jitter(frames.map_or(Jitter::NONE, |_| Jitter::pattern(0)));
     let seen =
         stages.run("primary", || primary::visible_surfaces(&scene.model, &scene.camera, fine(width), fine(height)));
-    let (occluders, light, receivers) = stages.run("snap", || -> Result<_, ProgramError> {
+    let (occluders, light, receivers, lattice) = stages.run("snap", || -> Result<_, ProgramError> {
         let bounds = scene.model.bounds().union(Bounds::of(area.corners()));
         let lattice = Lattice::covering(bounds)?;
         let positions: Vec<Vec3> = seen.seen().map(|hit| hit.position).collect();
@@ -40,20 +44,30 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
             Occluders::new(&lattice, &scene.model.vertices, &scene.model.triangles)?,
             area.snap(&lattice, Lift::F32_POSITIONS)?,
             Receivers::on_surfaces(&lattice, &positions, &normals, Lift::F32_POSITIONS)?,
+            lattice,
         ))
     })?;
 
     let (mut visibility, mut pairs) = (Vec::new(), Vec::new());
-    let statistics = stages.run("shadows", || {
+    let snapped = (&occluders, &light, &receivers);
+    let (runs, statistics) = if args.view == View::Pairs {
         let statistics;
-        if args.view == View::Pairs {
-            (pairs, statistics) = executor.pairs_per_receiver((&occluders, &light, &receivers))?;
-        } else {
-            (visibility, statistics) = executor.visibility((&occluders, &light, &receivers))?;
+        (pairs, statistics) = stages.run("shadows", || executor.pairs_per_receiver(snapped))?;
+        (1, statistics)
+    } else if let Some(count) = frames {
+        let mut frames = Frames::new(&executor, &lattice, area, &occluders, &receivers);
+        stages.expect(u64::from(count) - 1);
+        for frame in 1..=count {
+            stages.run(&format!("frame {frame} of {count}"), || frames.run())?;
         }
-        Ok::<_, ProgramError>(statistics)
-    })?;
-    stages.split_last(&statistics);
+        visibility = frames.visibility();
+        (count as usize, frames.report)
+    } else {
+        let statistics;
+        (visibility, statistics) = stages.run("shadows", || executor.visibility(snapped))?;
+        (1, statistics)
+    };
+    stages.split_last(runs, &statistics);
 
     let picture = stages.run("shade", || match args.view {
         View::Shaded => shade::shaded(&seen, &visibility, &area, &scene.look()),
@@ -65,12 +79,12 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
 
     let counts = statistics.counts;
     let mut out = stdout().lock();
-    let samples = area.rows();
     writeln!(
         out,
-        "{} triangles, {} receivers, {samples}×{samples} light samples, {width}×{height} pixels, on {}\n",
+        "{} triangles, {} receivers, {}, {width}×{height} pixels, on {}\n",
         scene.model.triangles.len(),
         receivers.len(),
+        samples(area.rows(), frames),
         executor.name(),
     )?;
     writeln!(out, "{}", stages.table())?;
@@ -87,4 +101,13 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     }
     writeln!(out, "wrote {}", args.output.display())?;
     Ok(())
+}
+
+/// Samples, and frames of jittered ones.
+fn samples(side: u32, frames: Option<u32>) -> String {
+    match frames {
+        None => format!("{side}×{side} light samples"),
+        Some(1) => format!("{side}×{side} jittered light samples, 1 frame"),
+        Some(frames) => format!("{side}×{side} jittered light samples, {frames} frames"),
+    }
 }

@@ -8,7 +8,7 @@ use crate::report::{
     results::{Entry, Results},
 };
 
-const COLUMNS: &str = "method,samples,receivers,one_tile_in,seconds,relative_time,mean_error,max_error,flip,pareto_front,\
+const COLUMNS: &str = "method,samples,frames,receivers,one_tile_in,seconds,relative_time,mean_error,max_error,flip,pareto_front,\
     pairs_tested_per_receiver,pairs_kept_per_receiver,pairs_relevant_per_receiver,fallbacks,stage_seconds";
 
 /// A row a method; the reference's is the last.
@@ -29,9 +29,10 @@ fn row(out: &mut String, entry: &Entry, unit: f64) {
     // Writing to a string does not fail.
     let _ = writeln!(
         out,
-        "{},{},{},{},{seconds:.6},{:.4},{},{},{flip},{},{pairs},{fallbacks},{}",
+        "{},{},{},{},{},{seconds:.6},{:.4},{},{},{flip},{},{pairs},{fallbacks},{}",
         quoted(&entry.name),
         entry.samples(),
+        entry.run.frames,
         entry.receivers,
         entry.one_in,
         seconds / unit,

@@ -23,8 +23,8 @@ const WITHIN: f64 = 0.99;
 
 /// By how much differences are amplified, the same for all methods: 1, 2 or 5 times a power of ten, so that most of those of
 /// the method that is the unit of time are within the scale.
-pub fn gain<'a>(runs: impl Iterator<Item = (&'a dyn Method, &'a Run)>, reference: &[f32]) -> f64 {
-    let unit = runs.into_iter().find(|(method, _)| (method.family(), method.side()) == UNIT);
+pub fn gain<'a>(mut runs: impl Iterator<Item = (&'a dyn Method, &'a Run)>, reference: &[f32]) -> f64 {
+    let unit = runs.find(|(method, _)| (method.family(), method.side()) == UNIT);
     let Some((method, run)) = unit else { return 1.0 };
     let expected = method.choice().of(reference);
     let mut differences: Vec<f32> = run.visibility.iter().zip(&expected).map(|(v, e)| (v - e).abs()).collect();

@@ -1,6 +1,6 @@
 //! What every method is given: the same scene, receivers and light.
 
-use umbra4_core::{AreaLight, Bounds, Lattice, LatticeLight, Lift, LightError, glam::DVec3, glam::Vec3};
+use umbra4_core::{AreaLight, Bounds, Jitter, Lattice, LatticeLight, Lift, LightError, glam::DVec3, glam::Vec3};
 use umbra4_cpu::{Occluders, Receivers};
 
 use crate::{
@@ -47,14 +47,15 @@ impl Problem {
         Ok(Self { scene, seen, lattice, positions, normals })
     }
 
-    /// Whether the finest light that will be asked for, a quarter with the most samples, can be snapped.
+    /// Whether the finest lights that will be asked for can be snapped: a quarter with the most samples, and the whole with as
+    /// many, jittered.
     ///
     /// # Errors
     /// It is too fine for the lattice.
     pub fn check_light(&self, samples: u32) -> Result<(), LightError> {
-        quarters(&self.scene.light)
-            .iter()
-            .try_for_each(|quarter| quarter.sampled(samples)?.snap(&self.lattice, Lift::F32_POSITIONS).map(|_| ()))
+        let fits = |light: AreaLight| light.snap(&self.lattice, Lift::F32_POSITIONS).map(|_| ());
+        quarters(&self.scene.light).iter().try_for_each(|quarter| fits(quarter.sampled(samples)?))?;
+        fits(self.light(samples)?.with_jitter(Jitter::pattern(0)))
     }
 
     /// Number of receivers.
@@ -77,9 +78,17 @@ impl Problem {
     pub fn snapped(&self, light: &AreaLight) -> Result<Snapped, ProgramError> {
         Ok(Snapped {
             light: light.snap(&self.lattice, Lift::F32_POSITIONS)?,
-            occluders: Occluders::new(&self.lattice, &self.scene.model.vertices, &self.scene.model.triangles)?,
+            occluders: self.occluders()?,
             receivers: self.on_lattice()?,
         })
+    }
+
+    /// The occluders on the lattice.
+    ///
+    /// # Errors
+    /// A vertex that cannot be snapped.
+    pub fn occluders(&self) -> Result<Occluders, ProgramError> {
+        Ok(Occluders::new(&self.lattice, &self.scene.model.vertices, &self.scene.model.triangles)?)
     }
 
     /// The receivers on the lattice, lifted off their surfaces.

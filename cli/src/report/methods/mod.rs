@@ -1,6 +1,7 @@
 //! The ways to buy accuracy. One more is one more entry in [`all`].
 
 mod bvh;
+mod over_frames;
 mod rays;
 mod umbra;
 
@@ -10,10 +11,11 @@ use umbra4_wgpu::Gpu;
 use crate::{
     args::{MachineArgs, PrecisionArg},
     error::ProgramError,
-    executor::{AnyExecutor, choice},
+    executor::{AnyExecutor, Report, choice},
     report::{problem::Problem, tiles::Choice},
 };
 use bvh::Bvh;
+use over_frames::OverFrames;
 use rays::{Pattern, Rays};
 use umbra::Umbra;
 pub use umbra::{REFERENCE_SIDE, reference};
@@ -25,10 +27,16 @@ pub enum Family {
     CpuExact,
     /// umbra4 on the processor, plain f32.
     CpuFast,
+    /// umbra4 on the processor, certified, with jittered samples.
+    CpuJittered,
+    /// The same, accumulated over frames: they are what the methods differ in.
+    CpuFrames,
     /// umbra4 on a GPU, certified.
     GpuExact,
     /// umbra4 on a GPU, plain f32.
     GpuFast,
+    /// umbra4 on a GPU, certified, with jittered samples.
+    GpuJittered,
     /// Rays to the samples that umbra4 has too.
     RegularRays,
     /// Rays to stratified, jittered samples, other ones for every receiver.
@@ -37,16 +45,28 @@ pub enum Family {
 
 impl Family {
     /// All of them, in the order of legends and tables.
-    pub const ALL: [Self; 6] =
-        [Self::CpuExact, Self::CpuFast, Self::GpuExact, Self::GpuFast, Self::RegularRays, Self::JitteredRays];
+    pub const ALL: [Self; 9] = [
+        Self::CpuExact,
+        Self::CpuFast,
+        Self::CpuJittered,
+        Self::CpuFrames,
+        Self::GpuExact,
+        Self::GpuFast,
+        Self::GpuJittered,
+        Self::RegularRays,
+        Self::JitteredRays,
+    ];
 
     /// What it is called.
     pub fn name(self) -> &'static str {
         match self {
             Self::CpuExact => "umbra4 exact",
             Self::CpuFast => "umbra4 fast",
+            Self::CpuJittered => "umbra4 exact, jittered",
+            Self::CpuFrames => "umbra4 exact, 8×8 jittered, over frames",
             Self::GpuExact => "umbra4 exact, GPU",
             Self::GpuFast => "umbra4 fast, GPU",
+            Self::GpuJittered => "umbra4 exact, jittered, GPU",
             Self::RegularRays => "BVH rays, regular samples",
             Self::JitteredRays => "BVH rays, jittered samples",
         }
@@ -57,8 +77,11 @@ impl Family {
         match self {
             Self::CpuExact => "#0072b2",
             Self::CpuFast => "#56b4e9",
+            Self::CpuJittered => "#a87400",
+            Self::CpuFrames => "#000000",
             Self::GpuExact => "#007a5a",
             Self::GpuFast => "#3fbf9b",
+            Self::GpuJittered => "#7a7a00",
             Self::RegularRays => "#d55e00",
             Self::JitteredRays => "#b5527f",
         }
@@ -66,12 +89,26 @@ impl Family {
 
     /// Whether umbra4's masks are what it measures.
     pub fn is_umbra(self) -> bool {
-        matches!(self, Self::CpuExact | Self::CpuFast | Self::GpuExact | Self::GpuFast)
+        !self.is_rays()
+    }
+
+    /// Whether it is one frame of umbra4 with jittered samples.
+    pub fn is_jittered(self) -> bool {
+        matches!(self, Self::CpuJittered | Self::GpuJittered)
     }
 
     /// Whether it traces rays.
     pub fn is_rays(self) -> bool {
         matches!(self, Self::RegularRays | Self::JitteredRays)
+    }
+
+    /// The name of one of its methods: unlike any other's.
+    pub fn method(self, side: u32, frames: u32) -> String {
+        match self {
+            Self::CpuFrames => format!("umbra4 exact, {side}×{side} jittered, {frames} frames"),
+            Self::JitteredRays => format!("{}, {}", self.name(), side * side),
+            _ => format!("{}, {side}×{side}", self.name()),
+        }
     }
 }
 
@@ -80,6 +117,8 @@ impl Family {
 pub struct Run {
     /// Visibility of the receivers of the method's [`Choice`], in 0..=1, in its order.
     pub visibility: Vec<f32>,
+    /// Frames that were accumulated.
+    pub frames: u32,
     /// Names of stages and their seconds; of a method that ran on some receivers, what all would take.
     pub seconds_by_stage: Vec<(String, f64)>,
     /// Those of them, of rays, that come before the first ray, however many there are.
@@ -89,6 +128,12 @@ pub struct Run {
 }
 
 impl Run {
+    /// Of umbra4: `report` is of all frames.
+    pub fn of_umbra(visibility: Vec<f32>, frames: u32, report: Report) -> Self {
+        let Report { seconds_by_stage, counts } = report;
+        Self { visibility, frames, seconds_by_stage, index_seconds: 0.0, counts: Some(counts) }
+    }
+
     /// All stages.
     pub fn seconds(&self) -> f64 {
         self.seconds_by_stage.iter().map(|(_, seconds)| seconds).sum()
@@ -106,19 +151,17 @@ pub trait Method {
     /// The receivers that it runs on.
     fn choice(&self) -> &Choice;
 
-    /// Its name: unlike any other's.
-    fn name(&self) -> String {
-        match self.family() {
-            Family::JitteredRays => format!("{}, {}", self.family().name(), self.side() * self.side()),
-            _ => format!("{}, {1}×{1}", self.family().name(), self.side()),
-        }
+    /// Most frames that it accumulates.
+    fn frames(&self) -> u32 {
+        1
     }
 
-    /// Runs it, timed from the world to the visibility of its receivers.
+    /// Runs it, timed from the world to the visibility of its receivers: once, or, over frames, what it has after some and
+    /// after all of them.
     ///
     /// # Errors
     /// Whatever the method refuses.
-    fn run(&self, problem: &Problem) -> Result<Run, ProgramError>;
+    fn run(&self, problem: &Problem) -> Result<Vec<Run>, ProgramError>;
 }
 
 /// The method whose time is the unit of relative times.
@@ -156,14 +199,16 @@ impl Device {
 /// A light that no lattice holds.
 pub fn all(problem: &Problem, device: &Device) -> Result<Vec<Box<dyn Method>>, ProgramError> {
     let mut methods: Vec<Box<dyn Method>> = Vec::new();
-    let precisions = [PrecisionArg::Exact, PrecisionArg::Fast];
-    for (precision, family) in precisions.into_iter().zip([Family::CpuExact, Family::CpuFast]) {
+    let precisions = [PrecisionArg::Exact, PrecisionArg::Fast, PrecisionArg::Exact];
+    for (precision, family) in precisions.into_iter().zip([Family::CpuExact, Family::CpuFast, Family::CpuJittered]) {
         for side in SIDES {
             methods.push(Box::new(Umbra::new(problem, family, side, AnyExecutor::cpu(precision))));
         }
     }
+    methods.push(Box::new(OverFrames::new(problem)));
     if let Device::Open(gpu) = device {
-        for (precision, family) in precisions.into_iter().zip([Family::GpuExact, Family::GpuFast]) {
+        for (precision, family) in precisions.into_iter().zip([Family::GpuExact, Family::GpuFast, Family::GpuJittered])
+        {
             for side in SIDES {
                 methods.push(Box::new(Umbra::new(problem, family, side, AnyExecutor::gpu(gpu.clone(), precision))));
             }

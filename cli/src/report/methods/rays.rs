@@ -130,7 +130,7 @@ impl Method for Rays {
         &self.choice
     }
 
-    fn run(&self, _: &Problem) -> Result<Run, ProgramError> {
+    fn run(&self, _: &Problem) -> Result<Vec<Run>, ProgramError> {
         let samples = |place: usize, out: &mut Vec<Vec3>| match self.pattern {
             Pattern::Regular => out.extend_from_slice(&self.samples),
             Pattern::Jittered => self.jittered(self.choice.receivers[place] as usize, self.side, out),
@@ -140,7 +140,7 @@ impl Method for Rays {
         let seconds = start.elapsed().as_secs_f64() * self.scale;
         let build = format!("BVH ({})", self.build.name);
         let seconds_by_stage = vec![(build, self.build.seconds), ("trace".to_owned(), seconds)];
-        Ok(Run { visibility, seconds_by_stage, index_seconds: self.build.seconds, counts: None })
+        Ok(vec![Run { visibility, frames: 1, seconds_by_stage, index_seconds: self.build.seconds, counts: None }])
     }
 }
 

@@ -2,13 +2,12 @@
 
 use std::time::Instant;
 
-use umbra4_core::Counts;
+use umbra4_core::{AreaLight, Jitter};
 
 use crate::{
     args::PrecisionArg,
     error::ProgramError,
-    executor::AnyExecutor,
-    light_file::LightShape,
+    executor::{AnyExecutor, Report},
     report::{
         methods::{Family, Method, Run},
         problem::{Problem, quarters},
@@ -44,20 +43,22 @@ impl Method for Umbra {
         &self.all
     }
 
-    fn run(&self, problem: &Problem) -> Result<Run, ProgramError> {
-        run(problem, &problem.scene.light, self.side, &self.executor)
+    fn run(&self, problem: &Problem) -> Result<Vec<Run>, ProgramError> {
+        let jitter = if self.family.is_jittered() { Jitter::pattern(0) } else { Jitter::NONE };
+        let (visibility, report) = run(problem, problem.light(self.side)?.with_jitter(jitter), &self.executor)?;
+        Ok(vec![Run::of_umbra(visibility, 1, report)])
     }
 }
 
 /// From the world to visibility; the snap counts.
-fn run(problem: &Problem, light: &LightShape, side: u32, executor: &AnyExecutor) -> Result<Run, ProgramError> {
-    let light = light.sampled(side)?;
+fn run(problem: &Problem, light: AreaLight, executor: &AnyExecutor) -> Result<(Vec<f32>, Report), ProgramError> {
     let start = Instant::now();
     let snapped = problem.snapped(&light)?;
-    let mut seconds_by_stage = vec![("snap".to_owned(), start.elapsed().as_secs_f64())];
-    let (visibility, report) = executor.visibility((&snapped.occluders, &snapped.light, &snapped.receivers))?;
-    seconds_by_stage.extend(report.seconds_by_stage);
-    Ok(Run { visibility, seconds_by_stage, index_seconds: 0.0, counts: Some(report.counts) })
+    let mut report = Report::default();
+    report.add_stage("snap", start.elapsed().as_secs_f64());
+    let (visibility, stages) = executor.visibility((&snapped.occluders, &snapped.light, &snapped.receivers))?;
+    report.add(&stages);
+    Ok((visibility, report))
 }
 
 /// Samples of the reference, each way.
@@ -69,19 +70,12 @@ pub const REFERENCE_SIDE: u32 = 128;
 /// A quarter is too fine for the lattice; the executor's.
 pub fn reference(problem: &Problem) -> Result<Run, ProgramError> {
     let executor = AnyExecutor::cpu(PrecisionArg::Exact);
-    let mut visibility = vec![0.0_f32; problem.receivers()];
-    let (mut seconds_by_stage, mut counts): (Vec<(String, f64)>, _) = (Vec::new(), Counts::default());
+    let (mut visibility, mut report) = (vec![0.0_f32; problem.receivers()], Report::default());
     for quarter in quarters(&problem.scene.light) {
-        let run = run(problem, &quarter, REFERENCE_SIDE / 2, &executor)?;
+        let (parts, stages) = run(problem, quarter.sampled(REFERENCE_SIDE / 2)?, &executor)?;
         // Multiples of 2^-14 in 0..=1: the sum is exact.
-        visibility.iter_mut().zip(run.visibility).for_each(|(sum, part)| *sum += part * 0.25);
-        counts = counts.plus(run.counts.unwrap_or_default());
-        for (stage, seconds) in run.seconds_by_stage {
-            match seconds_by_stage.iter_mut().find(|(name, _)| *name == stage) {
-                Some((_, sum)) => *sum += seconds,
-                None => seconds_by_stage.push((stage, seconds)),
-            }
-        }
+        visibility.iter_mut().zip(parts).for_each(|(sum, part)| *sum += part * 0.25);
+        report.add(&stages);
     }
-    Ok(Run { visibility, seconds_by_stage, index_seconds: 0.0, counts: Some(counts) })
+    Ok(Run::of_umbra(visibility, 1, report))
 }

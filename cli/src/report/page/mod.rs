@@ -10,7 +10,7 @@ use crate::{
     report::{
         equal::Equal,
         facts::{Facts, grouped},
-        measure::{QUICK, ROUNDS},
+        measure::{LONG, QUICK, ROUNDS},
         plot::{self, Kind},
         results::Results,
     },
@@ -34,6 +34,7 @@ pub fn html(results: &Results, equal: &[Equal<'_>], facts: &Facts) -> Result<Str
          <p class=\"lead\">The soft shadows of one light, computed in every way there is here: what each costs, and how far \
          it is from {side}×{side} exact light samples a receiver.</p>\n{}\
          <h2>Error against time</h2>\n<div class=\"card\">{}</div>\n{}\
+         <h2>Error against frames</h2>\n<div class=\"card small\">{}</div>\n{FRAMES_NOTE}\
          <h2>Every method</h2>\n{}{}\
          <h2>Rays at equal time, and at equal error</h2>\n{}{}\
          <h2>Where the time goes</h2>\n{}\
@@ -41,6 +42,7 @@ pub fn html(results: &Results, equal: &[Equal<'_>], facts: &Facts) -> Result<Str
         head(facts),
         plot::svg(results, "", Kind::OnPage),
         plot_note(results),
+        plot::over_frames(results),
         tables::methods(results),
         methods_note(results),
         tables::equal(results, equal),
@@ -62,9 +64,9 @@ fn head(facts: &Facts) -> String {
 fn plot_note(results: &Results) -> String {
     format!(
         "<p class=\"note\">Lower and farther left is better; both axes are logarithmic. A step to the right along the \
-         yellow line is the cheapest way to a smaller error. Numbers beside points are light samples a receiver. Errors of 0 \
-         have no place on a logarithmic axis: they are drawn as triangles on the lower edge. The reference is one of them \
-         by definition; it took {} s.</p>\n",
+         yellow line is the cheapest way to a smaller error. Numbers beside points are light samples a receiver; over \
+         frames, frames. Errors of 0 have no place on a logarithmic axis: they are drawn as triangles on the lower edge. \
+         The reference is one of them by definition; it took {} s.</p>\n",
         three_digits(results.reference.run.seconds())
     )
 }
@@ -90,11 +92,16 @@ fn methods_note(results: &Results) -> String {
         "<p class=\"note\">Time is all there is between the world’s coordinates and the visibility of the receivers: for \
          umbra4 the snap, the index and the masks; for rays the BVH (obvhs; of a fast and a slow build, the one with the \
          smaller sum, built on one thread) and the rays, on all threads. Methods took turns {ROUNDS} times, those of more than \
-         {QUICK} s twice, and the least time counts. Camera rays and shading are not in it. Errors are absolute differences of \
-         visibility, which is a share of the light in 0..1, from the reference’s. FLIP is the mean LDR-FLIP of the picture, as \
-         8-bit sRGB, at 67 pixels a degree: 0 for equal pictures, 1 for the most different ones.{some}</p>\n"
+         {QUICK} s twice, of more than {LONG} s once, and the least time counts. Camera rays and shading are not in it. \
+         Errors are absolute differences of visibility, which is a share of the light in 0..1, from the reference’s. FLIP is \
+         the mean LDR-FLIP of the picture, as 8-bit sRGB, at 67 pixels a degree: 0 for equal pictures, 1 for the most \
+         different ones.{some}</p>\n"
     )
 }
+
+const FRAMES_NOTE: &str = "<p class=\"note\">8×8 samples a frame, jittered by another pattern in every frame and accumulated \
+    while nothing moves; dashed, what regular samples give at once. 64 such frames have as many samples as one of 64×64. Time of \
+    so many frames is the sum of all of theirs: each pays for its index again, and all for one snap.</p>\n";
 
 const EQUAL_NOTE: &str = "<p class=\"note\">Read from the measured curves of the rays, between points straight on logarithmic \
     axes. Values in italics with an asterisk are extrapolated: beyond the measured points the curve goes on, as steep as it is \

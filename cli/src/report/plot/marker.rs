@@ -13,8 +13,11 @@ pub fn family(family: Family, x: f64, y: f64) -> String {
     match family {
         Family::CpuExact => circle(x, y, HALF, &filled),
         Family::CpuFast => circle(x, y, HALF - 1.0, &hollow),
+        Family::CpuJittered => polygon(&[(x, y - 5.5), (x + 5.5, y), (x, y + 5.5), (x - 5.5, y)], &hollow),
+        Family::CpuFrames => stroke(&format!("M{:.1} {y:.1}h11M{x:.1} {:.1}v11", x - 5.5, y - 5.5), color),
         Family::GpuExact => square(x, y, HALF - 0.5, &filled),
         Family::GpuFast => square(x, y, HALF - 1.5, &hollow),
+        Family::GpuJittered => stroke(&format!("M{0:.1} {1:.1}l9 9m-9 0l9 -9", x - 4.5, y - 4.5), color),
         Family::RegularRays => polygon(&[(x, y - 6.5), (x + 6.0, y + 4.5), (x - 6.0, y + 4.5)], &filled),
         Family::JitteredRays => polygon(&[(x, y - 6.5), (x + 6.5, y), (x, y + 6.5), (x - 6.5, y)], &filled),
     }
@@ -24,6 +27,13 @@ pub fn family(family: Family, x: f64, y: f64) -> String {
 pub fn no_error(color: &str, x: f64, y: f64) -> String {
     let style = format!(r##"fill="#fff" stroke="{color}" stroke-width="1.8""##);
     polygon(&[(x - 6.0, y - 5.0), (x + 6.0, y - 5.0), (x, y + 5.0)], &style)
+}
+
+/// Lines along `path`, with a white rim.
+fn stroke(path: &str, color: &str) -> String {
+    format!(
+        r##"<path d="{path}" stroke="#fff" stroke-width="4.6"/><path d="{path}" stroke="{color}" stroke-width="2.6"/>"##
+    )
 }
 
 fn circle(x: f64, y: f64, radius: f64, style: &str) -> String {
