@@ -114,7 +114,7 @@ impl Executor for Counting {
 
 /// Everything that is generic, for one word and one precision; a function of its own each, so that a name can be given.
 macro_rules! instantiate {
-    ($($module:ident: $word:ty, $precision:ty, $samples:ty;)*) => {$(
+    ($($module:ident: $word:ty, $precision:ty;)*) => {$(
         pub mod $module {
             use super::*;
 
@@ -138,14 +138,14 @@ macro_rules! instantiate {
             }
 
             #[unsafe(export_name = concat!("check_resolve_sixteen_", stringify!($module)))]
-            pub extern "C" fn resolve_sixteen(scene: &Occlusion<'_>, samples: &$samples, group: &mut Group<$word>) {
+            pub extern "C" fn resolve_sixteen(scene: &Occlusion<'_>, samples: &Regular, group: &mut Group<$word>) {
                 resolve::<Sixteen, $word, $precision, _>(scene, samples, group);
             }
 
             #[unsafe(export_name = concat!("check_resolve_silhouette_sixteen_", stringify!($module)))]
             pub extern "C" fn resolve_silhouette_sixteen(
                 scene: &SilhouetteScene<'_>,
-                samples: &$samples,
+                samples: &Regular,
                 group: &mut Group<$word>,
                 room: &mut SilhouetteRoom<$word>,
             ) {
@@ -155,7 +155,7 @@ macro_rules! instantiate {
             #[unsafe(export_name = concat!("check_resolve_silhouette_one_", stringify!($module)))]
             pub extern "C" fn resolve_silhouette_one(
                 scene: &SilhouetteScene<'_>,
-                samples: &$samples,
+                samples: &Regular,
                 group: &mut Group<$word>,
                 room: &mut SilhouetteRoom<$word>,
             ) {
@@ -163,7 +163,7 @@ macro_rules! instantiate {
             }
 
             #[unsafe(export_name = concat!("check_resolve_one_", stringify!($module)))]
-            pub extern "C" fn resolve_one(scene: &Occlusion<'_>, samples: &$samples, group: &mut Group<$word>) {
+            pub extern "C" fn resolve_one(scene: &Occlusion<'_>, samples: &Regular, group: &mut Group<$word>) {
                 resolve::<f32, $word, $precision, _>(scene, samples, group);
             }
 
@@ -184,14 +184,29 @@ macro_rules! instantiate {
 }
 
 instantiate! {
-    u16_exact: u16, Exact, Regular;
-    u32_exact: u32, Exact, Regular;
-    u64_exact: u64, Exact, Regular;
-    pair_exact: PairWord, Exact, Regular;
-    u16_fast: u16, Fast, Regular;
-    u32_fast: u32, Fast, Regular;
-    u64_fast: u64, Fast, Regular;
-    pair_fast: PairWord, Fast, Regular;
-    jittered_u32_exact: u32, Exact, Pattern;
-    jittered_u64_fast: u64, Fast, Pattern;
+    u16_exact: u16, Exact;
+    u32_exact: u32, Exact;
+    u64_exact: u64, Exact;
+    pair_exact: PairWord, Exact;
+    u16_fast: u16, Fast;
+    u32_fast: u32, Fast;
+    u64_fast: u64, Fast;
+    pair_fast: PairWord, Fast;
+}
+
+// Jittered samples take long to compile: one word, one precision. GPUs' kernels have the others.
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_resolve_jittered(scene: &Occlusion<'_>, samples: &Pattern, group: &mut Group<u32>) {
+    resolve::<Sixteen, u32, Exact, _>(scene, samples, group);
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_resolve_silhouette_jittered(
+    scene: &SilhouetteScene<'_>,
+    samples: &Pattern,
+    group: &mut Group<u32>,
+    room: &mut SilhouetteRoom<u32>,
+) {
+    resolve_silhouette::<Sixteen, u32, Exact, _>(scene, samples, group, room);
 }
