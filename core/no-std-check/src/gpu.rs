@@ -1,5 +1,8 @@
 //! What a GPU runs, on the processor.
 
+// A kernel's arguments are its bindings.
+#![allow(clippy::too_many_arguments)]
+
 use umbra4_core::{
     Exact, Fast, PairWord, PrecisionMode,
     edge_plane::Occluder,
