@@ -179,13 +179,14 @@ impl Pattern {
 /// Writes places that are spread evenly over the cell, in random order, turned by `turn` places.
 #[cfg(not(target_arch = "spirv"))]
 fn write_shifts(shifts: &mut Table, count: u32, turn: u32, seed: u32) {
+    let count = count.clamp(1, MAX_SAMPLES);
     let mut order = [0_u32; MAX_SAMPLES as usize];
     let mut random = seed;
     // Fisher and Yates, from the inside out.
-    for (k, _) in (0..count).enumerate() {
+    for k in 0..count as usize % (order.len() + 1) {
         random = mixed(random.wrapping_add(0x9e37_79b9));
-        let other = random as usize % (k + 1);
-        order[k] = order[other];
+        let other = (random as usize % (k + 1)) % order.len();
+        order[k % order.len()] = order[other];
         order[other] = k as u32;
     }
     for (shift, rank) in shifts.as_flattened_mut().iter_mut().zip(order).take(count as usize) {

@@ -392,7 +392,8 @@ impl Lanes for Sixteen {
     fn integer_above(self, by: Self) -> u32 {
         Self::bits(each!(k => Lanes::integer_above(self.0[k], by.0[k]) == 1))
     }
-    #[inline(always)]
+    // A function of its own: sixteen loads, and compilers take long over many of them.
+    #[inline(never)]
     fn lookup(table: &Table, places: Self::Ints) -> Self {
         Self(each!(k => <f32 as Lanes>::lookup(table, places[k])))
     }

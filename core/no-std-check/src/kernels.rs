@@ -194,11 +194,11 @@ instantiate! {
     pair_fast: PairWord, Fast;
 }
 
-// Jittered samples take long to compile: one word, one precision. GPUs' kernels have the others.
+// Of jittered samples one word and one precision: GPUs' kernels have the others.
 
 #[unsafe(no_mangle)]
 pub extern "C" fn check_resolve_jittered(scene: &Occlusion<'_>, samples: &Pattern, group: &mut Group<u32>) {
-    resolve::<Sixteen, u32, Exact, _>(scene, samples, group);
+    resolve::<f32, u32, Exact, _>(scene, samples, group);
 }
 
 #[unsafe(no_mangle)]
@@ -208,5 +208,5 @@ pub extern "C" fn check_resolve_silhouette_jittered(
     group: &mut Group<u32>,
     room: &mut SilhouetteRoom<u32>,
 ) {
-    resolve_silhouette::<Sixteen, u32, Exact, _>(scene, samples, group, room);
+    resolve_silhouette::<f32, u32, Exact, _>(scene, samples, group, room);
 }

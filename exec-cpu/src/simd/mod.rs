@@ -4,8 +4,8 @@ use std::fmt;
 
 use umbra4_core::{
     MaskWord, PrecisionMode,
-    jitter::Samples,
-    lanes::Sixteen,
+    jitter::{Pattern, Regular, Samples},
+    lanes::{Lanes, Sixteen},
     stage::{
         resolve::{Group, Occlusion, resolve},
         resolve_cells::{CellScene, resolve_cell},
@@ -19,6 +19,20 @@ mod avx2;
 mod avx512;
 #[cfg(target_arch = "x86_64")]
 mod long;
+
+/// What portable kernels are made of, for samples that lie so. Sixteen lanes of jittered ones take compilers minutes.
+pub(crate) trait Portable: Samples {
+    /// Its lanes.
+    type Lanes: Lanes;
+}
+
+impl Portable for Regular {
+    type Lanes = Sixteen;
+}
+
+impl Portable for Pattern {
+    type Lanes = f32;
+}
 
 /// An instruction set that kernels are compiled for. All give the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,7 +82,7 @@ impl Isa {
 
     /// Fills the masks of a group. `self` comes from [`Isa::available`].
     #[inline]
-    pub(crate) fn resolve<W: MaskWord, P: PrecisionMode, S: Samples>(
+    pub(crate) fn resolve<W: MaskWord, P: PrecisionMode, S: Portable>(
         self,
         scene: &Occlusion<'_>,
         samples: &S,
@@ -81,13 +95,13 @@ impl Isa {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
             Self::Avx2 => unsafe { resolve_avx2::<W, P, S>(scene, samples, group) },
-            Self::Portable => resolve::<Sixteen, W, P, S>(scene, samples, group),
+            Self::Portable => resolve::<S::Lanes, W, P, S>(scene, samples, group),
         }
     }
 
     /// Fills the masks of a group by the silhouette. `self` comes from [`Isa::available`].
     #[inline]
-    pub(crate) fn resolve_silhouette<W: MaskWord, P: PrecisionMode, S: Samples>(
+    pub(crate) fn resolve_silhouette<W: MaskWord, P: PrecisionMode, S: Portable>(
         self,
         scene: &SilhouetteScene<'_>,
         samples: &S,
@@ -101,7 +115,7 @@ impl Isa {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
             Self::Avx2 => unsafe { resolve_silhouette_avx2::<W, P, S>(scene, samples, group, room) },
-            Self::Portable => resolve_silhouette::<Sixteen, W, P, S>(scene, samples, group, room),
+            Self::Portable => resolve_silhouette::<S::Lanes, W, P, S>(scene, samples, group, room),
         }
     }
 
