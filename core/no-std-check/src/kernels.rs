@@ -194,12 +194,7 @@ instantiate! {
     pair_fast: PairWord, Fast;
 }
 
-// Of jittered samples one word and one precision: GPUs' kernels have the others.
-
-#[unsafe(no_mangle)]
-pub extern "C" fn check_resolve_jittered(scene: &Occlusion<'_>, samples: &Pattern, group: &mut Group<u32>) {
-    resolve::<f32, u32, Exact, _>(scene, samples, group);
-}
+// Jittered samples one by one are among GPUs' kernels.
 
 #[unsafe(no_mangle)]
 pub extern "C" fn check_resolve_silhouette_jittered(
