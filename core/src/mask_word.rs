@@ -122,7 +122,9 @@ impl MaskWord for PairWord {
 
     #[inline(always)]
     fn columns(first: u32, bits: u32) -> Self {
-        let (shifted, carried) = (bits.wrapping_shl(first), bits.wrapping_shr(1).wrapping_shr(31 - (first & 31)));
+        // A shift by a word's width or more is undefined on GPUs.
+        let by = first & 31;
+        let (shifted, carried) = (bits.wrapping_shl(by), bits.wrapping_shr(1).wrapping_shr(31 - by));
         if first < 32 { Self { low: shifted, high: carried } } else { Self { low: 0, high: shifted } }
     }
 

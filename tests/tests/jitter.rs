@@ -207,7 +207,13 @@ fn ratios_are_rounded_as_the_formats_ask() {
     let check = |part: u32, whole: u32| {
         let of = f64::from(part) / f64::from(whole);
         assert_eq!(float32(part, whole), (part as f32 / whole as f32).to_bits(), "{part}/{whole}");
-        assert_eq!(float16(part, whole), u32::from(f16::from_f64(of).to_bits()), "{part}/{whole}");
+        // No other half float is nearer, and none as near is even. All products are exact.
+        let off = |bits: u32| (f16::from_bits(bits as u16).to_f64() * f64::from(whole) - f64::from(part)).abs();
+        let half = float16(part, whole);
+        for other in [half.saturating_sub(1), half + 1] {
+            let nearer = off(half) < off(other) || (off(half) == off(other) && half & 1 == 0);
+            assert!(nearer || other == half, "{part}/{whole}: {half:#x}, not {other:#x}");
+        }
         assert_eq!(unorm8(part, whole), (of * 255.0).round() as u32, "{part}/{whole}");
     };
     for whole in (1..200).chain([1 << 12, (1 << 12) - 1]) {
