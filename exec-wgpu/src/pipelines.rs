@@ -7,7 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use umbra4_core::kernel::{Access, Kernel, WORKGROUP};
+use umbra4_core::kernel::{Access, Kernel, ParamsKind, WORKGROUP};
 use wgpu::{
     Backend, BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, BufferBindingType,
     BufferSize, ComputePipeline, ComputePipelineDescriptor, Device, Features, PassthroughShaderEntryPoint,
@@ -23,7 +23,8 @@ pub enum Loading {
     /// Through naga, which checks them and adds bounds checks: every backend.
     #[default]
     Checked,
-    /// As they are: Vulkan only, on a device with [`wgpu::Features::PASSTHROUGH_SHADERS`].
+    /// As they are: Vulkan only, on a device with [`wgpu::Features::PASSTHROUGH_SHADERS`]. Those of jittered samples are checked all the
+    /// same: one software driver computes wrong masks without.
     Passthrough,
 }
 
@@ -106,6 +107,8 @@ fn binding_type(access: Access) -> BindingType {
 }
 
 fn load(device: &Device, loading: Loading, kernel: Kernel) -> ShaderModule {
+    // Raw, lavapipe gives some receivers of jittered samples wrong masks; why is not known yet.
+    let loading = if kernel.info().params == ParamsKind::JitteredLight { Loading::Checked } else { loading };
     let name = kernel.info().name;
     let words: Vec<u32> =
         modules::code(kernel).chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
