@@ -25,6 +25,8 @@ use crate::{
 /// Triangles for an edge of the silhouette, from which on it is worth its while: depths are counted besides, and mixed
 /// triangles rasterised.
 const WORTHWHILE: usize = 4;
+/// The same where samples are jittered: rows of triangles cost more then, and edges hardly.
+const WORTHWHILE_JITTERED: usize = 1;
 
 /// The triangles of a scene, sorted by what they are to one light, and the silhouette.
 pub(crate) struct Silhouette {
@@ -52,7 +54,8 @@ impl Silhouette {
     /// The silhouette of a scene. With `worthwhile`, none where it has so many edges that triangles are done sooner.
     pub(crate) fn find(found: &Found<'_>, worthwhile: bool) -> Option<Self> {
         let turned = found.turned();
-        if worthwhile && found.estimated_edges(&turned) * WORTHWHILE > found.in_order.len() {
+        let triangles_an_edge = if found.grid.light.jitter.is_some() { WORTHWHILE_JITTERED } else { WORTHWHILE };
+        if worthwhile && found.estimated_edges(&turned) * triangles_an_edge > found.in_order.len() {
             return None;
         }
         let corner = LightFrame::new(&corner_light(&found.grid.light));
