@@ -52,6 +52,10 @@ pub fn bit(light: &LatticeLight, p: IVec3, triangles: &[[IVec3; 3]], row: u32, c
     if sign(&det3(&u, &v, &from_origin)) <= 0 {
         return true;
     }
-    let sample = [0, 1, 2].map(|k| &origin[k] + &v[k] * IBig::from(row) + &u[k] * IBig::from(column));
+    // Where jitter puts a sample is input, as in the oracle.
+    let sample = match light.jitter.is_some() {
+        true => point(light.sample(row, column)),
+        false => [0, 1, 2].map(|k| &origin[k] + &v[k] * IBig::from(row) + &u[k] * IBig::from(column)),
+    };
     triangles.iter().any(|t| hit(&p, &sample, &t.map(point)))
 }
