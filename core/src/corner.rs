@@ -11,11 +11,12 @@
 use glam::IVec3;
 
 use crate::{
-    edge_plane::{LightGrid, Occluder, ReceiverTile},
+    edge_plane::{LightGrid, ReceiverTile},
     exact::{self, Wide, WideInt},
     jitter::Jitter,
     lanes::Lanes,
     light::LatticeLight,
+    occluder::Occluder,
     precision::PrecisionMode,
     side::Planes,
     statistics::Tally,

@@ -6,11 +6,12 @@
 use glam::IVec3;
 
 use crate::{
-    edge_plane::{Occluder, ReceiverTile},
+    edge_plane::ReceiverTile,
     exact::{self, GridForm, Wide},
     jitter::{Place, Samples},
     light::LatticeLight,
     mask_word::MaskWord,
+    occluder::Occluder,
     statistics::Tally,
 };
 

@@ -23,18 +23,18 @@
 
 use glam::{IVec3, Vec3};
 
+#[cfg(not(target_arch = "spirv"))]
+use crate::frame;
 use crate::{
     doubt::Margins,
-    exact::{self, Wide},
     frame::LightFrame,
     jittered_rows::Limits,
     lanes::{Lanes, TILE},
     light::LatticeLight,
+    occluder::Occluder,
     precision::PrecisionMode,
     side::Sides,
 };
-#[cfg(not(target_arch = "spirv"))]
-use crate::{frame, real::Real};
 
 /// Roundoffs in the bound on the switch column.
 const COLUMN_ERRORS: f32 = 20.0;
@@ -103,109 +103,6 @@ pub(crate) fn float(v: IVec3) -> Vec3 {
 pub(crate) fn cross_magnitudes(a: Vec3, b: Vec3) -> Vec3 {
     let (a, b) = (a.abs(), b.abs());
     Vec3::new(a.y * b.z + a.z * b.y, a.z * b.x + a.x * b.z, a.x * b.y + a.y * b.x)
-}
-
-/// A triangle as the resolve stage meets it. Unless its plane is mixed, its corners are ordered so that all light samples
-/// lie on the positive side of the plane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct Occluder {
-    /// Lattice coordinates, axis-major, so that one load brings an axis of all corners. The fourth entries are no corner:
-    /// the first of them is 1 where the plane is mixed.
-    axes: [[i32; 4]; 3],
-}
-
-impl Occluder {
-    /// Stands where there is no triangle: blocks nothing.
-    pub const NONE: Self = Self { axes: [[0; 4]; 3] };
-
-    /// Orients a triangle towards the light. `None` where its plane holds every sample, or it has no plane: it blocks
-    /// nothing.
-    pub fn facing(light: &LatticeLight, corners: [IVec3; 3]) -> Option<Self> {
-        #[cfg(not(target_arch = "spirv"))]
-        if let Some(side) = long_side(light, corners) {
-            let [a, b, c] = corners;
-            return Some(Self::new(if side { [a, b, c] } else { [a, c, b] }, false));
-        }
-        let fine = light.fine();
-        let form = exact::triangle_form::<Wide>(fine, corners);
-        let (row, column) = (fine.rows as i32 - 1, fine.columns as i32 - 1);
-        let signs = [form.sign_at(0, 0), form.sign_at(0, column), form.sign_at(row, 0), form.sign_at(row, column)];
-        // The form is linear: its extremes over the grid are at the corners.
-        let (mut lowest, mut highest) = (1, -1);
-        let mut k = 0;
-        while k < 4 {
-            lowest = if signs[k] < lowest { signs[k] } else { lowest };
-            highest = if signs[k] > highest { signs[k] } else { highest };
-            k += 1;
-        }
-        let [a, b, c] = corners;
-        match (lowest, highest) {
-            (0, 0) => None,
-            (1, _) => Some(Self::new([a, b, c], false)),
-            (_, -1) => Some(Self::new([a, c, b], false)),
-            _ => Some(Self::new([a, b, c], true)),
-        }
-    }
-
-    fn new([a, b, c]: [IVec3; 3], mixed: bool) -> Self {
-        Self { axes: [[a.x, b.x, c.x, mixed as i32], [a.y, b.y, c.y, 0], [a.z, b.z, c.z, 0]] }
-    }
-
-    /// Whether the triangle's plane meets the light's sample grid, so that it cuts masks as a fourth plane.
-    #[inline(always)]
-    pub fn is_mixed(&self) -> bool {
-        self.axes[0][3] != 0
-    }
-
-    /// Corner k; `k < 3`.
-    #[inline(always)]
-    pub fn corner(&self, k: usize) -> IVec3 {
-        let k = k % 3;
-        IVec3::new(self.axes[0][k], self.axes[1][k], self.axes[2][k])
-    }
-
-    /// The corners, in order.
-    #[inline(always)]
-    pub fn corners(&self) -> [IVec3; 3] {
-        [self.corner(0), self.corner(1), self.corner(2)]
-    }
-
-    /// Axis-major differences of the corners from a point; the fourth entries mean nothing.
-    #[inline(always)]
-    pub(crate) fn from(&self, base: IVec3) -> [[i32; 4]; 3] {
-        let mut out = [[0; 4]; 3];
-        let mut c = 0;
-        while c < 4 {
-            out[0][c] = self.axes[0][c].wrapping_sub(base.x);
-            out[1][c] = self.axes[1][c].wrapping_sub(base.y);
-            out[2][c] = self.axes[2][c].wrapping_sub(base.z);
-            c += 1;
-        }
-        out
-    }
-}
-
-/// On which side of the triangle's plane all samples surely lie, in f64.
-#[cfg(not(target_arch = "spirv"))]
-#[inline]
-fn long_side(light: &LatticeLight, [a, b, c]: [IVec3; 3]) -> Option<bool> {
-    let (e, f, d) = (b - a, c - a, light.origin - a);
-    let (rows, columns) = (light.last_row(), light.last_column());
-    let normal = <f64 as Real>::cross(e, f);
-    let at = <f64 as Real>::dot(&normal, d);
-    let along = <f64 as Real>::dot(&normal, light.step_u) * f64::from(columns);
-    let across = <f64 as Real>::dot(&normal, light.step_v) * f64::from(rows);
-    let extent = float(light.step_u).abs() * columns + float(light.step_v).abs() * rows;
-    // Twice the error of the terms: for their sum, and for the bound's own arithmetic.
-    let doubt = 2.0 * <f64 as Real>::SIDE_ERROR * cross_magnitudes(float(e), float(f)).dot(float(d).abs() + extent);
-    if at + along.min(0.0) + across.min(0.0) > f64::from(doubt) {
-        Some(true)
-    } else if at + along.max(0.0) + across.max(0.0) < -f64::from(doubt) {
-        Some(false)
-    } else {
-        None
-    }
 }
 
 /// Sixteen receivers on the lattice, lane-major.

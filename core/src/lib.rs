@@ -23,6 +23,7 @@ pub mod lanes;
 pub mod light;
 pub mod mask_word;
 pub mod mesh;
+pub mod occluder;
 pub mod order;
 pub mod outline;
 pub mod params;
@@ -57,6 +58,8 @@ pub mod executor;
 pub mod grid;
 #[cfg(not(target_arch = "spirv"))]
 pub mod jittered_edges;
+#[cfg(not(target_arch = "spirv"))]
+pub mod keyed_mesh;
 #[cfg(not(target_arch = "spirv"))]
 pub mod lattice;
 #[cfg(not(target_arch = "spirv"))]

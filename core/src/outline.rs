@@ -42,11 +42,12 @@
 
 use crate::{
     doubt::Margins,
-    edge_plane::{LightGrid, Lines, Occluder},
+    edge_plane::{LightGrid, Lines},
     jitter::{LAST_PLACE, Samples},
     jittered_rows::Limits,
     lanes::{Lanes, TILE},
     light::LatticeLight,
+    occluder::Occluder,
     precision::PrecisionMode,
     trace::{Crossing, MOST_PLANE_DOUBT, OwnSide, Side, flat},
     view::{LEAST_HEIGHT, View},

@@ -39,7 +39,7 @@ pub const UNBOUNDED: f32 = 1.0e30;
 pub const NOTHING: [f32; KEYS] = [f32::MIN; KEYS];
 
 /// Heights below this many lattice units count as touching the light plane: their slopes would overflow.
-const TOUCHING: f32 = 1.0e-3;
+pub(crate) const TOUCHING: f32 = 1.0e-3;
 
 /// What a triangle offers, or a receiver asks for: slopes seen from the first column, from the last column (negated),
 /// from the first row, from the last row (negated), and the height above the light plane (negated).
@@ -211,7 +211,7 @@ const SLACK: f32 = 8.0 * f32::EPSILON;
 
 /// An upper bound of `x/w` for x ≤ `x_high` and w, above zero, between two bounds of which the reciprocals are given.
 #[inline(always)]
-fn quotient_above<L: Lanes>(x_high: L, inverse_low: L, inverse_high: L) -> L {
+pub(crate) fn quotient_above<L: Lanes>(x_high: L, inverse_low: L, inverse_high: L) -> L {
     let q = x_high.mul(L::select(x_high.ge(L::splat(0.0)), inverse_low, inverse_high));
     q.abs().mul_add(L::splat(SLACK), q)
 }
@@ -224,7 +224,7 @@ fn quotient_below<L: Lanes>(x: L, error: L, inverse_low: L, inverse_high: L) -> 
 
 /// How far a vertex may reach, seen from the first column, from the last, from the first row, from the last.
 #[inline(always)]
-fn reaches(frame: &LightFrame, q: &FramePoint) -> [f32; 4] {
+pub(crate) fn reaches(frame: &LightFrame, q: &FramePoint) -> [f32; 4] {
     [
         q.a + q.error_a,
         (frame.last_column - q.a) + (q.error_a + frame.last_column * f32::EPSILON),
@@ -301,59 +301,4 @@ pub fn triangle_keys(frame: &LightFrame, corners: &[IVec3; 3]) -> Option<Keys> {
     }
     out[4] = -lowest;
     Some(out)
-}
-
-/// What a vertex brings to the keys of its triangles and edges, for a light and for the light of its first sample alone: for
-/// executors with room to keep it, so that nothing is divided twice.
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg(not(target_arch = "spirv"))]
-pub struct VertexKeys {
-    /// Slopes from the first column, from the last (negated), from the first row, from the last (negated); the height
-    /// (negated); slopes from the first column and the first row, negated.
-    keys: [f32; 8],
-}
-
-#[cfg(not(target_arch = "spirv"))]
-impl VertexKeys {
-    /// Of one vertex. Without use where it reaches the light plane: [`VertexKeys::touches`].
-    #[inline]
-    pub fn new(frame: &LightFrame, p: IVec3) -> Self {
-        let q = frame.place(p);
-        let (low, high) = (q.w - q.error_w, q.w + q.error_w);
-        let (inverse_low, inverse_high) = (Lanes::recip(Lanes::max(low, TOUCHING)), Lanes::recip(high));
-        let above = |x: f32| quotient_above(x, inverse_low, inverse_high);
-        let [a, last_a, b, last_b] = reaches(frame, &q).map(above);
-        Self { keys: [a, last_a, b, last_b, -low, above(q.error_a - q.a), above(q.error_b - q.b), 0.0] }
-    }
-
-    /// The keys of everything between vertices are the largest of theirs.
-    #[inline]
-    #[must_use]
-    pub fn and(&self, other: &Self) -> Self {
-        let mut keys = self.keys;
-        for (key, more) in keys.iter_mut().zip(&other.keys) {
-            *key = Lanes::max(*key, *more);
-        }
-        Self { keys }
-    }
-
-    /// Whether a vertex touches the light plane, or lies behind it: slopes have no bound.
-    #[inline]
-    pub fn touches(&self) -> bool {
-        self.keys[4] > -TOUCHING
-    }
-
-    /// Keys for the light.
-    #[inline]
-    pub fn for_light(&self) -> Keys {
-        let [a, last_a, b, last_b, low, ..] = self.keys;
-        [a, last_a, b, last_b, low]
-    }
-
-    /// Keys for the light of its first sample.
-    #[inline]
-    pub fn for_corner(&self) -> Keys {
-        let [a, _, b, _, low, less_a, less_b, _] = self.keys;
-        [a, less_a, b, less_b, low]
-    }
 }

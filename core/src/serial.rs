@@ -4,12 +4,13 @@
 use glam::{IVec3, Vec3};
 
 use crate::{
-    edge_plane::{LightGrid, Occluder},
+    edge_plane::LightGrid,
     executor::Executor,
     jitter::{Pattern, Regular},
     lanes::TILE,
     light::LatticeLight,
     mask_word::MaskWord,
+    occluder::Occluder,
     order::{CodeFrame, Entry, code, sort},
     plan::{Pass, Plan},
     precision::PrecisionMode,

@@ -13,9 +13,10 @@
 use glam::{IVec3, Vec3};
 
 use crate::{
-    edge_plane::{Occluder, ReceiverTile, cross_magnitudes, float},
+    edge_plane::{ReceiverTile, cross_magnitudes, float},
     exact::{self, Wide},
     lanes::{Lanes, TILE},
+    occluder::Occluder,
     precision::PrecisionMode,
     real::Real,
     statistics::Tally,

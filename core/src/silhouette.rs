@@ -1,7 +1,7 @@
 //! The silhouette: the edges at which the surface ends that faces the light.
 //!
 //! Where a fine mesh stands between a receiver and the light, most of its edges change nothing: behind an edge that two
-//! triangles share, both sides are dark. Triangles that face the light (after [`Occluder::facing`] all do that have it on
+//! triangles share, both sides are dark. Triangles that face the light (after [`crate::occluder::Facing::occluder`] all do that have it on
 //! one side) are a *chain*: their directed edges are summed, and those that two neighbours run through in opposite
 //! directions cancel. What is left is the silhouette, of about √n edges for n triangles of a closed mesh.
 //!
@@ -22,8 +22,6 @@
 //! light's samples and with exact bits. Wang et al. 2016 rasterise triangles only.
 
 use glam::IVec3;
-
-use crate::edge_plane::Occluder;
 
 /// An edge of the silhouette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -65,18 +63,5 @@ impl SilhouetteEdge {
     pub(crate) fn relative_to(&self, base: IVec3) -> [[i32; 4]; 3] {
         let (a, b) = (self.from() - base, self.to() - base);
         [[a.x, b.x, b.x, b.x], [a.y, b.y, b.y, b.y], [a.z, b.z, b.z, b.z]]
-    }
-}
-
-/// How the edges of a triangle count: 1 if they run as its vertex indices do, −1 if the other way; 0 where the triangle is no
-/// part of the chain, since its plane meets the light. `second` is its second vertex.
-#[inline]
-pub fn direction(occluder: &Occluder, second: IVec3) -> i32 {
-    if occluder.is_mixed() {
-        0
-    } else if occluder.corner(1) == second {
-        1
-    } else {
-        -1
     }
 }

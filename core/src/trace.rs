@@ -2,10 +2,11 @@
 //! stand for those that run along the rows. Bounds and proof: [`crate::outline`].
 
 use crate::{
-    edge_plane::{LightGrid, Occluder, cross_magnitudes, float},
+    edge_plane::{LightGrid, cross_magnitudes, float},
     jitter::{PLACES, Regular, Samples},
     lanes::Lanes,
     light::MAX_SAMPLES,
+    occluder::Occluder,
     precision::PrecisionMode,
     real::Real,
     view::Corner,

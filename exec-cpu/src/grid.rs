@@ -12,10 +12,11 @@ use std::sync::{
 use rayon::prelude::*;
 use umbra4_core::{
     Counts, Precision,
-    edge_plane::{LightGrid, Occluder},
+    edge_plane::LightGrid,
     glam::IVec3,
     grid::{CellRange, Extent, FrameBuffer, FramePlane, MAX_CELLS},
     lanes::TILE,
+    occluder::Occluder,
     proj4::Keys,
     stage::{
         resolve::Group,

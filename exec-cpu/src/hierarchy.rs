@@ -1,5 +1,6 @@
 //! Hierarchies in memory: things packed under nodes, and the levels above them.
 
+use rayon::prelude::*;
 use umbra4_core::{
     hierarchy::Levels,
     proj4::{KeyTile, Keys, NODE},
@@ -37,13 +38,15 @@ impl<T> Hierarchy<T> {
     }
 }
 
+/// Nodes that are worth a job.
+const NODES_A_JOB: usize = 64;
+
 /// One level, from the one below it.
 pub(crate) fn build_level_of(levels: &Levels, nodes: &mut [KeyTile], level: usize) {
     let (below, above) = nodes.split_at_mut(levels.range(level).start);
     let below = &below[levels.range(level - 1)];
-    for (id, tile) in above.iter_mut().take(levels.range(level).len()).enumerate() {
-        *tile = build_level(id, below);
-    }
+    let above = &mut above[..levels.range(level).len()];
+    above.par_iter_mut().with_min_len(NODES_A_JOB).enumerate().for_each(|(id, tile)| *tile = build_level(id, below));
 }
 
 /// All levels above the lowest.

@@ -5,6 +5,7 @@ mod executor;
 mod grid;
 mod hierarchy;
 mod masks;
+mod open_sides;
 mod order;
 mod run;
 mod scatter;
@@ -12,6 +13,7 @@ mod scene;
 mod silhouette;
 mod simd;
 mod statistics;
+mod triangles;
 mod word;
 
 pub use executor::{CpuExecutor, ExecutorError};

@@ -18,7 +18,7 @@ pub(crate) fn ordered<T: Sync>(
     things: &[T],
     keys: impl Fn(&T) -> Option<Keys> + Sync,
 ) -> Vec<Entry> {
-    let codes = fitted(frame, things, &keys);
+    let codes = fitted(frame, things.len(), |index| keys(&things[index]));
     let mut order: Vec<Entry> = things
         .par_iter()
         .enumerate()
@@ -39,7 +39,7 @@ const PART: usize = 1 << 14;
 
 /// Sorts by code, entries of the same code staying in order: three passes over the entries, whatever their number. In each,
 /// every thread counts the digits of its part, and so knows where they go.
-fn sort(entries: &mut Vec<Entry>) {
+pub(crate) fn sort(entries: &mut Vec<Entry>) {
     let part = entries.len().div_ceil(rayon::current_num_threads()).max(PART);
     let mut other = vec![Entry::default(); entries.len()];
     for pass in 0..3 {
@@ -71,10 +71,10 @@ fn sort(entries: &mut Vec<Entry>) {
     }
 }
 
-fn fitted<T>(frame: &LightFrame, things: &[T], keys: impl Fn(&T) -> Option<Keys>) -> CodeFrame {
-    let step = (things.len() / SAMPLES).max(1);
-    let seen: Vec<[f32; 2]> = things
-        .iter()
+/// The frame for the slopes of `count` things.
+pub(crate) fn fitted(frame: &LightFrame, count: usize, keys: impl Fn(usize) -> Option<Keys>) -> CodeFrame {
+    let step = (count / SAMPLES).max(1);
+    let seen: Vec<[f32; 2]> = (0..count)
         .step_by(step)
         .filter_map(keys)
         .map(|keys| tangents(&keys, frame.scale))

@@ -5,14 +5,14 @@ use std::{marker::PhantomData, sync::Mutex, time::Instant};
 use rayon::prelude::*;
 use umbra4_core::{
     Counts, Executor, IndexKind, LatticeLight, Pass, Plan, Precision,
-    edge_plane::{LightGrid, Occluder},
+    edge_plane::LightGrid,
     lanes::TILE,
+    occluder::Occluder,
     order::Entry,
-    proj4::{KeyTile, Keys, NODE, NOTHING, VertexKeys},
+    proj4::Keys,
     stage::{
         Stage,
         key_receivers::key_receivers,
-        key_triangles::key_between,
         resolve::{Group, Occlusion},
         resolve_silhouette::SilhouetteRoom,
     },
@@ -24,7 +24,8 @@ use crate::{
     grid::{Cells, CellsInput},
     hierarchy::build_level_of,
     order::ordered,
-    silhouette::{Found, Silhouette},
+    silhouette::{Silhouette, is_worthwhile},
+    triangles::{KeyedTriangles, PackedTriangles},
     word::Kernels,
 };
 
@@ -49,13 +50,13 @@ pub(crate) struct Run<'a, W, S, V> {
     receivers: &'a Receivers,
     visit: &'a V,
     grid: LightGrid,
-    triangles: Vec<Option<(Keys, Occluder)>>,
-    in_order: Vec<Occluder>,
-    order: Vec<u32>,
-    vertex_keys: Vec<VertexKeys>,
-    nodes: Vec<KeyTile>,
+    keyed: KeyedTriangles,
+    packed: PackedTriangles,
+    by_silhouette: bool,
     receiver_keys: Vec<Option<Keys>>,
     receiver_order: Vec<Entry>,
+    /// All triangles, by index: of the grid.
+    for_cells: Vec<Option<(Keys, Occluder)>>,
     cells: Cells,
     silhouette: Option<Silhouette>,
     statistics: Statistics,
@@ -78,13 +79,12 @@ impl<'a, W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, S, V> {
             receivers,
             visit,
             grid: LightGrid::new(light),
-            triangles: Vec::new(),
-            in_order: Vec::new(),
-            order: Vec::new(),
-            vertex_keys: Vec::new(),
-            nodes: Vec::new(),
+            keyed: KeyedTriangles::default(),
+            packed: PackedTriangles::default(),
+            by_silhouette: false,
             receiver_keys: Vec::new(),
             receiver_order: Vec::new(),
+            for_cells: Vec::new(),
             cells: Cells::default(),
             silhouette: None,
             statistics: Statistics::default(),
@@ -99,52 +99,36 @@ impl<'a, W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, S, V> {
         Ok(self.statistics)
     }
 
-    fn key_triangles(&mut self, count: usize) {
-        let (vertices, triangles) = (self.occluders.vertices(), self.occluders.triangles());
-        let (grid, vertex_keys) = (&self.grid, &mut self.vertex_keys);
-        vertices.par_iter().map(|vertex| VertexKeys::new(&grid.frame, *vertex)).collect_into_vec(vertex_keys);
-        (0..count)
-            .into_par_iter()
-            .map(|id| key_between(id, &grid.frame, &grid.light, vertices, vertex_keys, triangles))
-            .collect_into_vec(&mut self.triangles);
+    fn key_triangles(&mut self) {
+        let (grid, scene, facts) = (&self.grid, self.occluders, self.how.plan.facts());
+        self.keyed = KeyedTriangles::of_vertices(grid, scene);
+        if facts.index == IndexKind::Grid {
+            self.for_cells = std::mem::take(&mut self.keyed).by_index(grid, scene);
+            return;
+        }
+        self.keyed.code(grid, scene);
+        self.by_silhouette = facts.index == IndexKind::Silhouette
+            && (self.how.index != Index::Auto || is_worthwhile(grid, scene, &self.keyed));
     }
 
     fn order_triangles(&mut self) {
-        let order = ordered(&self.grid.frame, &self.triangles, |found| found.map(|(keys, _)| keys));
-        // Those that take no part come last.
-        let order = &order[..order.partition_point(|entry| entry.code != Entry::ABSENT)];
-        let (triangles, levels) = (&self.triangles, self.how.plan.levels());
-        let found = |entry: &Entry| triangles[entry.index as usize].unwrap_or((NOTHING, Occluder::NONE));
-        order.par_iter().map(|entry| entry.index).collect_into_vec(&mut self.order);
-        order.par_iter().map(|entry| found(entry).1).collect_into_vec(&mut self.in_order);
-        self.nodes = vec![KeyTile::NOTHING; levels.tiles()];
-        self.nodes[levels.range(0)].par_iter_mut().zip(order.par_chunks(NODE)).for_each(|(tile, entries)| {
-            for (place, entry) in entries.iter().enumerate() {
-                tile.set(place, &found(entry).0);
-            }
-        });
-        if self.how.plan.facts().index == IndexKind::Hierarchy {
-            self.triangles = Vec::new();
+        let levels = self.how.plan.levels();
+        self.packed = self.keyed.pack(&self.grid, self.occluders, levels, self.by_silhouette);
+        if !self.by_silhouette {
+            self.keyed = KeyedTriangles::default();
         }
     }
 
     fn find_silhouette(&mut self) {
-        self.silhouette = Silhouette::find(
-            &Found {
-                grid: &self.grid,
-                scene: self.occluders,
-                vertex_keys: &self.vertex_keys,
-                triangles: &self.triangles,
-                order: &self.order,
-                in_order: &self.in_order,
-            },
-            self.how.index == Index::Auto,
-        );
-        self.triangles = Vec::new();
+        if self.by_silhouette {
+            let (levels, facing) = (self.how.plan.levels(), std::mem::take(&mut self.packed.corner_nodes));
+            let keyed = std::mem::take(&mut self.keyed);
+            self.silhouette = Some(Silhouette::find(&self.grid, self.occluders, &keyed, levels, facing));
+        }
     }
 
     fn build_level(&mut self, level: usize) {
-        build_level_of(self.how.plan.levels(), &mut self.nodes, level);
+        build_level_of(self.how.plan.levels(), &mut self.packed.nodes, level);
     }
 
     fn key_receivers(&mut self, first: usize, count: usize) {
@@ -159,8 +143,8 @@ impl<'a, W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, S, V> {
         let scene = Occlusion {
             grid: &self.grid,
             levels: self.how.plan.levels(),
-            nodes: &self.nodes,
-            occluders: &self.in_order,
+            nodes: &self.packed.nodes,
+            occluders: &self.packed.occluders,
         };
         let silhouette = self.silhouette.as_ref().map(|silhouette| silhouette.scene(scene));
         let light = &self.grid.light;
@@ -213,7 +197,7 @@ impl<W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'_, W, S, V> {
             isa: self.how.isa,
             precision: self.how.precision,
             light: &self.grid,
-            triangles: &self.triangles,
+            triangles: &self.for_cells,
             points: &self.receivers.points()[first..][..self.receiver_keys.len()],
             keys: &self.receiver_keys,
             first,
@@ -240,7 +224,7 @@ impl<W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W
         match pass.stage {
             // The scene and the receivers are snapped when they are made, and the visitor reduces.
             Stage::SnapVertices | Stage::SnapReceivers | Stage::Reduce => return Ok(()),
-            Stage::KeyTriangles => self.key_triangles(count),
+            Stage::KeyTriangles => self.key_triangles(),
             Stage::OrderTriangles => self.order_triangles(),
             Stage::BuildLevel => self.build_level(first),
             Stage::FindSilhouette => self.find_silhouette(),

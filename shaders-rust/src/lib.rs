@@ -13,11 +13,11 @@ use spirv_std::{
 };
 use umbra4_core::{
     Exact, Fast, PairWord,
-    edge_plane::Occluder,
     gbuffer::ViewParams,
     jitter::{Pattern, Regular},
     kernel::{self, resolve::ReceiverCounts, snap_receivers, status::Status},
     mesh::MeshParams,
+    occluder::Occluder,
     order::Entry,
     params::{JitteredParams, Params},
     proj4::{KeyTile, Keys},

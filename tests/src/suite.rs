@@ -5,7 +5,7 @@
 use bytemuck::Zeroable;
 use umbra4_core::{
     Exact, IndexKind, Lift, Plan, SceneFacts,
-    edge_plane::Occluder,
+    occluder::Occluder,
     order::Entry,
     proj4::{KeyTile, NOTHING},
     serial::{Buffers, Serial},

@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use bytemuck::Zeroable;
 use umbra4_core::{
     Exact, IndexKind, Lattice, Lift, Plan, SceneFacts,
-    edge_plane::Occluder,
     frame::LightFrame,
     glam::Vec3,
+    occluder::Occluder,
     order::Entry,
     proj4::{KeyTile, NOTHING, covers},
     serial::{Buffers, Serial},

@@ -2,10 +2,10 @@
 
 use umbra4_core::{
     LatticeLight,
-    edge_plane::Occluder,
     exact::{self, GridForm, Wide},
     glam::{DVec3, IVec3},
     lanes::TILE,
+    occluder::Occluder,
 };
 
 /// Steeper lines, in columns a row, are given this slope: over 64 rows they cross the whole grid within 2^-16 rows.

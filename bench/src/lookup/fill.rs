@@ -5,9 +5,9 @@ use std::marker::PhantomData;
 use umbra4_core::{
     LatticeLight, MaskWord, PrecisionMode,
     doubt::PairIntegers,
-    edge_plane::Occluder,
     jitter::Regular,
     lanes::{Lanes, TILE},
+    occluder::Occluder,
     outline::Outlines,
     row_mask::{Ends, MaskRows, fill_outline, settle_outline},
 };

@@ -5,11 +5,12 @@ use std::ops::Range;
 
 use umbra4_core::{
     Exact, LatticeLight,
-    edge_plane::{LightGrid, Occluder, ReceiverTile},
+    edge_plane::{LightGrid, ReceiverTile},
     exact::{Wide, behind_light},
     glam::IVec3,
     jitter::Regular,
     lanes::{Sixteen, TILE},
+    occluder::Occluder,
     outline::Outlines,
     proj4::{Keys, NeedTile},
     row_mask::{Ends, is_full},

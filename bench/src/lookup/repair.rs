@@ -2,9 +2,10 @@
 
 use umbra4_core::{
     LatticeLight, MaskWord,
-    edge_plane::{Occluder, ReceiverTile},
+    edge_plane::ReceiverTile,
     exact::{self, Wide},
     lanes::{Lanes, TILE},
+    occluder::Occluder,
     row_mask::MaskRows,
 };
 

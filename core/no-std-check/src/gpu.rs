@@ -5,7 +5,6 @@
 
 use umbra4_core::{
     Exact, Fast, PairWord, PrecisionMode,
-    edge_plane::Occluder,
     gbuffer::ViewParams,
     jitter::Regular,
     kernel::{
@@ -26,6 +25,7 @@ use umbra4_core::{
         triangles::{index_triangles, number_triangles},
     },
     mesh::MeshParams,
+    occluder::Occluder,
     order::Entry,
     params::{JitteredParams, Params},
     plan::{Pass, Plan},

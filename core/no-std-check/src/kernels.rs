@@ -2,20 +2,21 @@
 
 use umbra4_core::{
     Exact, Executor, Fast, LatticeLight, Lift, PairWord, Pass, Plan,
-    edge_plane::Occluder,
     frame::LightFrame,
     glam::{IVec3, Vec3},
     jitter::{Pattern, Regular},
+    keyed_mesh::{KeyedMesh, VertexKeys},
     lanes::Sixteen,
+    occluder::{Facing, Occluder},
     order::{CodeFrame, code},
-    proj4::{KeyTile, Keys, VertexKeys},
+    proj4::{KeyTile, Keys},
     serial::{Serial, SerialError},
-    silhouette::{SilhouetteEdge, direction},
+    silhouette::SilhouetteEdge,
     snap::SnapParams,
     stage::{
         build_level::build_level,
         key_receivers::key_receivers,
-        key_triangles::{key_between, key_triangles},
+        key_triangles::key_triangles,
         reduce,
         resolve::{Group, Occlusion, resolve},
         resolve_silhouette::{SilhouetteRoom, SilhouetteScene, resolve_silhouette},
@@ -52,26 +53,29 @@ pub extern "C" fn check_key_triangles(
 }
 
 #[unsafe(no_mangle)]
-pub extern "C" fn check_key_between(
-    id: usize,
-    frame: &LightFrame,
-    light: &LatticeLight,
-    vertices: &[IVec3],
-    vertex_keys: &[VertexKeys],
-    triangles: &[[u32; 3]],
-) -> Option<(Keys, Occluder)> {
-    key_between(id, frame, light, vertices, vertex_keys, triangles)
+pub extern "C" fn check_keyed_tile(
+    mesh: &KeyedMesh<'_>,
+    ids: core::ops::Range<usize>,
+    corner: &LightFrame,
+) -> ([KeyTile; 2], Option<Occluder>) {
+    let tile = mesh.tile(ids);
+    let [first, ..] = mesh.facings(&tile);
+    ([mesh.light_keys(&tile), mesh.corner_keys(&tile, corner)], tile.occluder(0, first))
 }
 
 #[unsafe(no_mangle)]
-pub extern "C" fn check_vertex_keys(frame: &LightFrame, vertex: IVec3) -> (VertexKeys, Keys, Keys) {
-    let keys = VertexKeys::new(frame, vertex);
-    (keys, keys.for_light(), keys.for_corner())
+pub extern "C" fn check_keyed_edge(mesh: &KeyedMesh<'_>, from: u32, to: u32) -> Keys {
+    mesh.edge_keys(from, to)
 }
 
 #[unsafe(no_mangle)]
-pub extern "C" fn check_silhouette_edge(from: IVec3, occluder: &Occluder) -> SilhouetteEdge {
-    SilhouetteEdge::new(from, occluder.corner(1), direction(occluder, from))
+pub extern "C" fn check_vertex_keys(frame: &LightFrame, vertex: IVec3) -> VertexKeys {
+    VertexKeys::new(frame, vertex)
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_silhouette_edge(from: IVec3, to: IVec3, facing: Facing) -> SilhouetteEdge {
+    SilhouetteEdge::new(from, to, facing.direction())
 }
 
 #[unsafe(no_mangle)]
@@ -112,9 +116,9 @@ impl Executor for Counting {
     }
 }
 
-/// Everything that is generic, for one word and one precision; a function of its own each, so that a name can be given.
+/// What is generic over words and precisions, for one of each; a function of its own each, so that a name can be given.
 macro_rules! instantiate {
-    ($($module:ident: $word:ty, $precision:ty;)*) => {$(
+    ($($module:ident: $word:ty, $precision:ty $(, in $lanes:ident)?;)*) => {$(
         pub mod $module {
             use super::*;
 
@@ -137,41 +141,12 @@ macro_rules! instantiate {
                 }
             }
 
-            #[unsafe(export_name = concat!("check_resolve_sixteen_", stringify!($module)))]
-            pub extern "C" fn resolve_sixteen(scene: &Occlusion<'_>, samples: &Regular, group: &mut Group<$word>) {
-                resolve::<Sixteen, $word, $precision, _>(scene, samples, group);
-            }
-
-            #[unsafe(export_name = concat!("check_resolve_silhouette_sixteen_", stringify!($module)))]
-            pub extern "C" fn resolve_silhouette_sixteen(
-                scene: &SilhouetteScene<'_>,
-                samples: &Regular,
-                group: &mut Group<$word>,
-                room: &mut SilhouetteRoom<$word>,
-            ) {
-                resolve_silhouette::<Sixteen, $word, $precision, _>(scene, samples, group, room);
-            }
-
-            #[unsafe(export_name = concat!("check_resolve_silhouette_one_", stringify!($module)))]
-            pub extern "C" fn resolve_silhouette_one(
-                scene: &SilhouetteScene<'_>,
-                samples: &Regular,
-                group: &mut Group<$word>,
-                room: &mut SilhouetteRoom<$word>,
-            ) {
-                resolve_silhouette::<f32, $word, $precision, _>(scene, samples, group, room);
-            }
-
-            #[unsafe(export_name = concat!("check_resolve_one_", stringify!($module)))]
-            pub extern "C" fn resolve_one(scene: &Occlusion<'_>, samples: &Regular, group: &mut Group<$word>) {
-                resolve::<f32, $word, $precision, _>(scene, samples, group);
-            }
-
             #[unsafe(export_name = concat!("check_reduce_", stringify!($module)))]
             pub extern "C" fn lit(rows: &[$word], light: &LatticeLight) -> f32 {
                 reduce::visibility(reduce::lit_count(rows, light.columns), light.sample_count())
             }
 
+            // One receiver at a time.
             #[unsafe(export_name = concat!("check_serial_", stringify!($module)))]
             pub extern "C" fn serial(
                 executor: &mut Serial<'_, $word, $precision>,
@@ -179,18 +154,36 @@ macro_rules! instantiate {
             ) -> Result<(), SerialError> {
                 executor.dispatch(pass)
             }
+
+            $(
+                #[unsafe(export_name = concat!("check_resolve_", stringify!($module)))]
+                pub extern "C" fn resolve_group(scene: &Occlusion<'_>, samples: &Regular, group: &mut Group<$word>) {
+                    resolve::<$lanes, $word, $precision, _>(scene, samples, group);
+                }
+
+                #[unsafe(export_name = concat!("check_resolve_silhouette_", stringify!($module)))]
+                pub extern "C" fn resolve_group_by_silhouette(
+                    scene: &SilhouetteScene<'_>,
+                    samples: &Regular,
+                    group: &mut Group<$word>,
+                    room: &mut SilhouetteRoom<$word>,
+                ) {
+                    resolve_silhouette::<$lanes, $word, $precision, _>(scene, samples, group, room);
+                }
+            )?
         }
     )*};
 }
 
+// Pairs are words of GPUs, which have no lanes.
 instantiate! {
-    u16_exact: u16, Exact;
-    u32_exact: u32, Exact;
-    u64_exact: u64, Exact;
+    u16_exact: u16, Exact, in Sixteen;
+    u32_exact: u32, Exact, in Sixteen;
+    u64_exact: u64, Exact, in Sixteen;
     pair_exact: PairWord, Exact;
-    u16_fast: u16, Fast;
-    u32_fast: u32, Fast;
-    u64_fast: u64, Fast;
+    u16_fast: u16, Fast, in Sixteen;
+    u32_fast: u32, Fast, in Sixteen;
+    u64_fast: u64, Fast, in Sixteen;
     pair_fast: PairWord, Fast;
 }
 

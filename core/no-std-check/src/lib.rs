@@ -9,8 +9,12 @@
 #[cfg(feature = "with-std")]
 extern crate std;
 
+// The check of the check is about one function only.
+#[cfg(not(feature = "with-panic"))]
 mod gpu;
+#[cfg(not(feature = "with-panic"))]
 mod host;
+#[cfg(not(feature = "with-panic"))]
 mod kernels;
 
 // memcpy and memset; on bare metal they come with Rust.

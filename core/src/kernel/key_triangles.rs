@@ -3,9 +3,9 @@
 use glam::IVec3;
 
 use crate::{
-    edge_plane::Occluder,
     kernel::{fetch, point, store},
     light::LatticeLight,
+    occluder::Occluder,
     order::{Entry, code},
     params::Params,
     proj4::{Keys, NOTHING},

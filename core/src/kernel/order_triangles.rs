@@ -1,8 +1,8 @@
 //! Kernel `order_triangles`: what the hierarchy's lowest level and the resolve stage read, in order.
 
 use crate::{
-    edge_plane::Occluder,
     kernel::{fetch, key_triangles::triangle, store},
+    occluder::Occluder,
     order::Entry,
     params::Params,
     proj4::{KeyTile, Keys, NODE, NOTHING},

@@ -1,11 +1,11 @@
 //! Kernel `resolve`: the mask of one receiver.
 
 use crate::{
-    edge_plane::Occluder,
     hierarchy::Root,
     jitter::Samples,
     kernel::{fetch, point, store},
     mask_word::{MaskWord, PairWord},
+    occluder::Occluder,
     order::Entry,
     params::Params,
     precision::PrecisionMode,

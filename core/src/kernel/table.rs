@@ -137,7 +137,7 @@ pub enum Slot {
     Sorted,
     /// Counters of the sort, and their sums.
     Counters,
-    /// [`crate::edge_plane::Occluder`]s, in order.
+    /// [`crate::occluder::Occluder`]s, in order.
     Occluders,
     /// [`crate::proj4::KeyTile`]s of all levels.
     Nodes,

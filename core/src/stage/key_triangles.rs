@@ -3,14 +3,11 @@
 use glam::IVec3;
 
 use crate::{
-    edge_plane::Occluder,
     frame::LightFrame,
     light::LatticeLight,
+    occluder::Occluder,
     proj4::{Keys, triangle_keys},
 };
-
-#[cfg(not(target_arch = "spirv"))]
-use crate::proj4::VertexKeys;
 
 /// Keys and oriented corners of triangle `id`. `None` where it blocks nothing: behind the light, degenerate, in the
 /// light's plane (or there is no such triangle, or it names a vertex that does not exist).
@@ -32,24 +29,4 @@ pub fn key_triangles(
 pub fn keys_of(frame: &LightFrame, light: &LatticeLight, corners: [IVec3; 3]) -> Option<(Keys, Occluder)> {
     let keys = triangle_keys(frame, &corners)?;
     Some((keys, Occluder::facing(light, corners)?))
-}
-
-/// As [`key_triangles`], with what its vertices bring: `vertex_keys` is as long as `vertices`.
-#[cfg(not(target_arch = "spirv"))]
-#[inline]
-pub fn key_between(
-    id: usize,
-    frame: &LightFrame,
-    light: &LatticeLight,
-    vertices: &[IVec3],
-    vertex_keys: &[VertexKeys],
-    triangles: &[[u32; 3]],
-) -> Option<(Keys, Occluder)> {
-    let [a, b, c] = triangles.get(id)?.map(|vertex| vertex as usize);
-    let corners = [*vertices.get(a)?, *vertices.get(b)?, *vertices.get(c)?];
-    let between = vertex_keys.get(a)?.and(vertex_keys.get(b)?).and(vertex_keys.get(c)?);
-    if between.touches() {
-        return keys_of(frame, light, corners);
-    }
-    Some((between.for_light(), Occluder::facing(light, corners)?))
 }

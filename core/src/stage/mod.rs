@@ -68,7 +68,7 @@ pub enum Binding {
     Triangles,
     /// Keys and code of every triangle.
     TriangleKeys,
-    /// [`crate::edge_plane::Occluder`]s, in order.
+    /// [`crate::occluder::Occluder`]s, in order.
     Occluders,
     /// [`crate::proj4::KeyTile`]s of all levels.
     Nodes,

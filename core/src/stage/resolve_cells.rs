@@ -5,10 +5,11 @@
 //! goes on.
 
 use crate::{
-    edge_plane::{LightGrid, Occluder},
+    edge_plane::LightGrid,
     jitter::Regular,
     lanes::Lanes,
     mask_word::MaskWord,
+    occluder::Occluder,
     precision::PrecisionMode,
     proj4::Keys,
     stage::resolve::{Group, Meeting},
