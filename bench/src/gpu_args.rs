@@ -51,7 +51,7 @@ pub struct GpuArgs {
     #[arg(long, default_value_t = 3)]
     repeat: usize,
     /// Diagonal of the light in the paper's units (its table 5: 1 to 5).
-    #[arg(long, default_value_t = PAPER_LIGHT, value_parser = crate::light_scale)]
+    #[arg(long, default_value_t = PAPER_LIGHT, value_parser = crate::shared_args::light_scale)]
     light_scale: f64,
     /// Measure the rival on about so many receivers, in whole 8×8 image tiles, and scale its time.
     #[arg(long, default_value_t = usize::MAX, hide_default_value = true)]

@@ -19,6 +19,7 @@ mod primary;
 mod problem;
 mod row_word;
 mod scene;
+mod shared_args;
 mod subset;
 mod svg;
 mod sweep;
@@ -39,6 +40,7 @@ use gpu_args::GpuArgs;
 use lookup::LookupArgs;
 use memory::{ChildArgs, MemoryArgs};
 use scene::PAPER_LIGHT;
+use shared_args::{ImageArgs, RivalArgs, light_scale, seconds};
 use sweep::SweepArgs;
 use umbra::{CALLING_THREAD, bind_calling_thread};
 use umbra4_wgpu::Choice;
@@ -88,9 +90,6 @@ const CONTENDERS: &str = if cfg!(feature = "embree") {
 
 #[derive(Args)]
 struct CompareArgs {
-    /// Where bench/fetch-scenes.sh put the models.
-    #[arg(long, default_value = "target/scenes")]
-    scenes: PathBuf,
     /// dragon11k, dragon48k, dragon203k, dragon871k, sponza, foliage, lattice, hairball.
     #[arg(long, value_delimiter = ',', default_value = "dragon48k,dragon203k,sponza")]
     scene: Vec<String>,
@@ -101,30 +100,15 @@ struct CompareArgs {
     /// Rows and columns of the light's samples.
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=64))]
     samples: u32,
-    /// Edge of the image in pixels.
-    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=8192))]
-    size: u32,
     /// Threads of every contender.
     #[arg(long, default_value_t = 1)]
     threads: usize,
     /// Seconds that every contender is measured for, at least; runs are interleaved, and the least times count.
     #[arg(long, default_value_t = 10.0, value_parser = seconds)]
     seconds: f64,
-    /// Runs of every contender, at least.
-    #[arg(long, default_value_t = 3)]
-    repeat: usize,
-    /// Diagonal of the light in the paper's units (its table 5: 1 to 5).
-    #[arg(long, default_value_t = PAPER_LIGHT, value_parser = light_scale)]
-    light_scale: f64,
     /// Measure everybody on about so many receivers, in whole 8×8 image tiles.
     #[arg(long, default_value_t = usize::MAX, hide_default_value = true)]
     receivers: usize,
-    /// Measure the rivals on about so many receivers, in whole 8×8 image tiles, so that they too have several runs.
-    #[arg(long, default_value_t = 16384)]
-    rival_receivers: usize,
-    /// Chooses the tiles.
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
     /// Also write the table as CSV.
     #[arg(long)]
     csv: Option<PathBuf>,
@@ -135,6 +119,10 @@ struct CompareArgs {
     /// `valgrind --tool=callgrind --toggle-collect='*measured_section*' umbra4-bench compare --single-run …`
     #[arg(long)]
     single_run: bool,
+    #[command(flatten)]
+    image: ImageArgs,
+    #[command(flatten)]
+    measured: RivalArgs,
 }
 
 impl CompareArgs {
@@ -144,17 +132,17 @@ impl CompareArgs {
             contenders.truncate(1);
         }
         Options {
-            scenes: self.scenes.clone(),
+            scenes: self.image.scenes.clone(),
             contenders,
             samples: self.samples,
-            size: self.size,
+            size: self.image.size,
             threads: if self.single_run { CALLING_THREAD } else { self.threads.max(1) },
-            repeat: if self.single_run { 1 } else { self.repeat },
+            repeat: if self.single_run { 1 } else { self.measured.repeat },
             seconds: if self.single_run { 0.0 } else { self.seconds },
-            light: self.light_scale,
+            light: self.measured.light_scale,
             receivers: self.receivers,
-            rival_receivers: self.rival_receivers,
-            seed: self.seed,
+            rival_receivers: self.measured.rival_receivers,
+            seed: self.image.seed,
             picture: self.picture.clone(),
         }
     }
@@ -213,39 +201,17 @@ impl VerifyArgs {
     }
 }
 
-fn in_range(text: &str, range: std::ops::RangeInclusive<f64>) -> Result<f64, String> {
-    let value: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
-    if range.contains(&value) { Ok(value) } else { Err(format!("not in {} to {}", range.start(), range.end())) }
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    in_range(text, 0.0..=1e6)
-}
-
-fn light_scale(text: &str) -> Result<f64, String> {
-    in_range(text, 1.0..=5.0)
-}
-
 #[derive(Args)]
 struct OptimisationsArgs {
-    /// Where bench/fetch-scenes.sh put the models.
-    #[arg(long, default_value = "target/scenes")]
-    scenes: PathBuf,
     /// dragon11k, dragon48k, dragon203k, dragon871k, sponza, foliage, lattice, hairball.
     #[arg(long, value_delimiter = ',', default_value = "dragon48k,dragon203k,sponza")]
     scene: Vec<String>,
     /// Rows and columns of the light's samples.
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=64))]
     samples: u32,
-    /// Edge of the image in pixels.
-    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=8192))]
-    size: u32,
     /// Measure on about so many receivers, in whole 8×8 image tiles.
     #[arg(long, default_value_t = 8192)]
     receivers: usize,
-    /// Chooses the tiles.
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
     /// Threads of every run.
     #[arg(long, default_value_t = 1)]
     threads: usize,
@@ -261,15 +227,17 @@ struct OptimisationsArgs {
     /// Also write every variant's figures as CSV.
     #[arg(long)]
     csv: Option<PathBuf>,
+    #[command(flatten)]
+    image: ImageArgs,
 }
 
 fn run_optimisations(args: &OptimisationsArgs) -> Result<(), CompareError> {
     let options = optimisations::Options {
-        scenes: args.scenes.clone(),
+        scenes: args.image.scenes.clone(),
         samples: args.samples,
-        size: args.size,
+        size: args.image.size,
         receivers: args.receivers,
-        seed: args.seed,
+        seed: args.image.seed,
         threads: args.threads.max(1),
         repeat: args.repeat,
         cells: args.cells,

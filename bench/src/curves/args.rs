@@ -10,7 +10,11 @@ use super::{
     plot::chart,
     table::{Curve, csv, markdown},
 };
-use crate::{compare::CompareError, scene::PAPER_LIGHT, timing::Budget};
+use crate::{
+    compare::CompareError,
+    shared_args::{ImageArgs, RivalArgs, seconds},
+    timing::Budget,
+};
 
 /// Ray tracers whose fastest is the second line.
 const RIVALS: &str = if cfg!(feature = "embree") { "embree8,embree16-square" } else { "obvhs" };
@@ -21,9 +25,6 @@ pub struct CurvesArgs {
     /// Folder for a .csv and an .svg a curve; made where it is not there.
     #[arg(short, long)]
     output: PathBuf,
-    /// Where bench/fetch-scenes.sh put the models.
-    #[arg(long, default_value = "target/scenes")]
-    scenes: PathBuf,
     /// Curves to measure; all of them unless said otherwise.
     #[arg(long, value_enum, value_delimiter = ',')]
     curve: Vec<Quantity>,
@@ -37,28 +38,17 @@ pub struct CurvesArgs {
     /// first point of a curve unless it is named.
     #[arg(long, value_delimiter = ',', value_parser = reference)]
     reference: Vec<(Quantity, String)>,
-    /// Edge of the image in pixels, where it does not vary.
-    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=8192))]
-    size: u32,
     /// Rows and columns of the light's samples, where they do not vary.
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=64))]
     samples: u32,
-    /// Diagonal of the light in the paper's units (its table 5: 1 to 5), where it does not vary.
-    #[arg(long, default_value_t = PAPER_LIGHT, value_parser = crate::light_scale)]
-    light_scale: f64,
     /// Seconds that every contender is measured for at every point, at least; runs are interleaved, and the least times
     /// count.
-    #[arg(long, default_value_t = 3.0, value_parser = crate::seconds)]
+    #[arg(long, default_value_t = 3.0, value_parser = seconds)]
     seconds: f64,
-    /// Runs of every contender at every point, at least.
-    #[arg(long, default_value_t = 3)]
-    repeat: usize,
-    /// Measure the rivals on about so many receivers, in whole 8×8 image tiles.
-    #[arg(long, default_value_t = 16384)]
-    rival_receivers: usize,
-    /// Chooses the tiles.
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
+    #[command(flatten)]
+    image: ImageArgs,
+    #[command(flatten)]
+    measured: RivalArgs,
 }
 
 fn reference(text: &str) -> Result<(Quantity, String), String> {
@@ -76,17 +66,17 @@ impl CurvesArgs {
         let base = Setting {
             label: String::new(),
             scene: self.scene.clone(),
-            size: self.size,
-            light: self.light_scale,
+            size: self.image.size,
+            light: self.measured.light_scale,
             rows: self.samples,
             columns: self.samples,
         };
         let options = Options {
-            scenes: &self.scenes,
+            scenes: &self.image.scenes,
             rivals: &self.rivals,
-            rival_receivers: self.rival_receivers,
-            seed: self.seed,
-            budget: Budget { seconds: self.seconds, repeat: self.repeat },
+            rival_receivers: self.measured.rival_receivers,
+            seed: self.image.seed,
+            budget: Budget { seconds: self.seconds, repeat: self.measured.repeat },
         };
         let all = Quantity::value_variants();
         let wanted = all.iter().copied().filter(|quantity| self.curve.is_empty() || self.curve.contains(quantity));

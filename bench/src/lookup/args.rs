@@ -1,21 +1,20 @@
 //! The command `lookup`: its arguments, and what it prints.
 
-use std::path::PathBuf;
-
 use clap::Args;
 
 use super::{
     markdown::markdown,
     measure::{Options, measure},
 };
-use crate::{compare::CompareError, timing::Budget};
+use crate::{
+    compare::CompareError,
+    shared_args::{ImageArgs, seconds},
+    timing::Budget,
+};
 
 /// Arguments of the command.
 #[derive(Args)]
 pub struct LookupArgs {
-    /// Where bench/fetch-scenes.sh put the models.
-    #[arg(long, default_value = "target/scenes")]
-    scenes: PathBuf,
     /// dragon11k, dragon48k, dragon203k, dragon871k, sponza, foliage, lattice, hairball.
     #[arg(long, value_delimiter = ',', default_value = "dragon48k,sponza,foliage")]
     scene: Vec<String>,
@@ -25,21 +24,17 @@ pub struct LookupArgs {
     /// Angles of the tables, and as many distances; multiples of four.
     #[arg(long, value_delimiter = ',', default_value = "64,128,256", value_parser = cells)]
     cells: Vec<u32>,
-    /// Edge of the image in pixels.
-    #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(1..=8192))]
-    size: u32,
     /// Look at about so many receivers, in whole 8×8 image tiles.
     #[arg(long, default_value_t = 8192)]
     receivers: usize,
-    /// Chooses the tiles.
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
     /// Seconds that every way to fill masks is measured for, at least; runs are interleaved, and the least times count.
-    #[arg(long, default_value_t = 1.0, value_parser = crate::seconds)]
+    #[arg(long, default_value_t = 1.0, value_parser = seconds)]
     seconds: f64,
     /// Runs of every way, at least.
     #[arg(long, default_value_t = 20)]
     repeat: usize,
+    #[command(flatten)]
+    image: ImageArgs,
 }
 
 fn samples(text: &str) -> Result<u32, String> {
@@ -60,12 +55,12 @@ impl LookupArgs {
     /// No such scene.
     pub fn run(&self) -> Result<(), CompareError> {
         let options = Options {
-            scenes: &self.scenes,
+            scenes: &self.image.scenes,
             samples: &self.samples,
             cells: &self.cells,
-            size: self.size,
+            size: self.image.size,
             receivers: self.receivers,
-            seed: self.seed,
+            seed: self.image.seed,
             budget: Budget { seconds: self.seconds, repeat: self.repeat },
         };
         let mut lines = Vec::new();

@@ -35,7 +35,7 @@ pub fn run<W: MaskWord, F: Fill<W>>(
         #[cfg(target_arch = "x86_64")]
         // SAFETY: as above.
         Isa::Avx2 => unsafe { run_avx2(fill, light, group, masks) },
-        Isa::Portable => fill.fill::<Sixteen>(light, group, masks),
+        _ => fill.fill::<Sixteen>(light, group, masks),
     }
 }
 

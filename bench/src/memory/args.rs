@@ -41,7 +41,7 @@ pub struct MemoryArgs {
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=64))]
     samples: u32,
     /// Diagonal of the light in the paper's units (its table 5: 1 to 5).
-    #[arg(long, default_value_t = PAPER_LIGHT, value_parser = crate::light_scale)]
+    #[arg(long, default_value_t = PAPER_LIGHT, value_parser = crate::shared_args::light_scale)]
     light_scale: f64,
     /// Threads; every one has masks in flight of its own.
     #[arg(long, value_delimiter = ',', default_value = "1,2")]

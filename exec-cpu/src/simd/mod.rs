@@ -19,6 +19,8 @@ mod avx2;
 mod avx512;
 #[cfg(target_arch = "x86_64")]
 mod long;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 
 /// What portable kernels are made of, for samples that lie so. Sixteen lanes of jittered ones take compilers minutes.
 pub(crate) trait Portable: Samples {
@@ -36,6 +38,7 @@ impl Portable for Pattern {
 
 /// An instruction set that kernels are compiled for. All give the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Isa {
     /// Sixteen lanes in one register.
     #[cfg(target_arch = "x86_64")]
@@ -43,6 +46,9 @@ pub enum Isa {
     /// Sixteen lanes in two registers.
     #[cfg(target_arch = "x86_64")]
     Avx2,
+    /// Sixteen lanes in four registers.
+    #[cfg(target_arch = "aarch64")]
+    Neon,
     /// What the compiler makes of plain arrays for the target's baseline.
     Portable,
 }
@@ -50,29 +56,36 @@ pub enum Isa {
 impl Isa {
     /// All that this processor has, widest first. Never empty.
     pub fn available() -> Vec<Self> {
-        let mut found = Vec::new();
-        #[cfg(target_arch = "x86_64")]
-        {
-            let avx2 = is_x86_feature_detected!("avx2")
-                && is_x86_feature_detected!("fma")
-                && is_x86_feature_detected!("bmi1")
-                && is_x86_feature_detected!("bmi2")
-                && is_x86_feature_detected!("lzcnt")
-                && is_x86_feature_detected!("popcnt");
-            let avx512 = avx2
-                && is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512bw")
-                && is_x86_feature_detected!("avx512dq")
-                && is_x86_feature_detected!("avx512vl");
-            if avx512 {
-                found.push(Self::Avx512);
-            }
-            if avx2 {
-                found.push(Self::Avx2);
-            }
-        }
+        let mut found = Self::detected();
         found.push(Self::Portable);
         found
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn detected() -> Vec<Self> {
+        let avx2 = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("lzcnt")
+            && is_x86_feature_detected!("popcnt");
+        let avx512 = avx2
+            && is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512bw")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("avx512vl");
+        [(avx512, Self::Avx512), (avx2, Self::Avx2)].into_iter().filter(|(has, _)| *has).map(|(_, isa)| isa).collect()
+    }
+
+    #[cfg(target_arch = "aarch64")]
+    fn detected() -> Vec<Self> {
+        // No processor that runs this lacks it.
+        vec![Self::Neon]
+    }
+
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    fn detected() -> Vec<Self> {
+        Vec::new()
     }
 
     /// The widest that this processor has.
@@ -95,6 +108,8 @@ impl Isa {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
             Self::Avx2 => unsafe { resolve_avx2::<W, P, S>(scene, samples, group) },
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => resolve::<neon::Neon, W, P, S>(scene, samples, group),
             Self::Portable => resolve::<S::Lanes, W, P, S>(scene, samples, group),
         }
     }
@@ -115,6 +130,8 @@ impl Isa {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
             Self::Avx2 => unsafe { resolve_silhouette_avx2::<W, P, S>(scene, samples, group, room) },
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => resolve_silhouette::<neon::Neon, W, P, S>(scene, samples, group, room),
             Self::Portable => resolve_silhouette::<S::Lanes, W, P, S>(scene, samples, group, room),
         }
     }
@@ -134,6 +151,8 @@ impl Isa {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: as above.
             Self::Avx2 => unsafe { resolve_cell_avx2::<W, P>(scene, list, group) },
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => resolve_cell::<neon::Neon, W, P>(scene, list, group),
             Self::Portable => resolve_cell::<Sixteen, W, P>(scene, list, group),
         }
     }
@@ -146,6 +165,8 @@ impl fmt::Display for Isa {
             Self::Avx512 => "AVX-512",
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => "AVX2",
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => "NEON",
             Self::Portable => "portable",
         })
     }
