@@ -178,12 +178,16 @@ impl<'a> KeyedMesh<'a> {
         tile.keys([0, 5, 2, 6, 4], corner)
     }
 
-    /// On which side of every triangle the light lies; [`Facing::Nothing`] for empty lanes.
+    /// On which side of every triangle the light lies, `keys` being theirs for the light; [`Facing::Nothing`] where those are
+    /// [`NOTHING`].
     #[inline(always)]
-    pub fn facings(&self, tile: &TriangleTile) -> [Facing; NODE] {
+    pub fn facings(&self, tile: &TriangleTile, keys: &KeyTile) -> [Facing; NODE] {
         let [front, back, mixed] = self.sides.sure::<Sixteen>(&tile.corners);
         let mut facings = [Facing::Nothing; NODE];
         for lane in lanes_of(tile.lanes) {
+            if keys.entry(lane) == NOTHING {
+                continue;
+            }
             let is_in = |lanes: u32| lanes >> lane & 1 == 1;
             // What is degenerate has no doubt, and seems to be all at once.
             facings[lane % NODE] = match (is_in(front), is_in(back), is_in(mixed)) {

@@ -105,14 +105,14 @@ impl CodeFrame {
 }
 
 /// The tangents of the middle of an entry, seen from the light's middle.
-#[inline]
+#[inline(always)]
 pub fn tangents(keys: &Keys, scale: [f32; 2]) -> [f32; 2] {
     [(keys[0] - keys[1]) * 0.5 * scale[0], (keys[2] - keys[3]) * 0.5 * scale[1]]
 }
 
 /// The code of an entry: 10 bits each of both tangents, squeezed so that all of space fits, and of the logarithm of the
 /// height, interleaved.
-#[inline]
+#[inline(always)]
 pub fn code(frame: &CodeFrame, keys: &Keys) -> u32 {
     let t = tangents(keys, frame.scale);
     let squeeze = |t: f32, center: f32| {
@@ -129,7 +129,7 @@ pub fn code(frame: &CodeFrame, keys: &Keys) -> u32 {
 }
 
 /// Moves bit n to bit 3n; of 10 bits.
-#[inline]
+#[inline(always)]
 fn spread(x: u32) -> u32 {
     let x = (x | x << 16) & 0x0300_00ff;
     let x = (x | x << 8) & 0x0300_f00f;

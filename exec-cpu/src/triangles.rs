@@ -60,16 +60,20 @@ impl KeyedTriangles {
         let count = scene.triangles().len();
         let (mut facings, mut order) = (vec![Facing::Nothing; count], vec![Entry::default(); count]);
         let mesh = self.mesh(grid, scene);
-        let codes = fitted(&grid.frame, count, |id| Some(mesh.light_keys(&mesh.tile(once(id))).entry(0)));
+        let codes = fitted(&grid.frame, count, |id| {
+            let keys = mesh.light_keys(&mesh.tile(once(id))).entry(0);
+            if keys == NOTHING { None } else { Some(keys) }
+        });
         let leaves =
             facings.par_chunks_mut(NODE).zip(order.par_chunks_mut(NODE)).with_min_len(LEAVES_A_JOB).enumerate();
         leaves.for_each(|(leaf, (facings, order))| {
             let first = leaf * NODE;
             let tile = mesh.tile(first..first + facings.len());
-            let (keys, found) = (mesh.light_keys(&tile), mesh.facings(&tile));
+            let keys = mesh.light_keys(&tile);
+            let found = mesh.facings(&tile, &keys);
             for (lane, (facing, entry)) in facings.iter_mut().zip(order).enumerate() {
                 let (keys, index) = (keys.entry(lane), (first + lane) as u32);
-                if keys == NOTHING || found[lane] == Facing::Nothing {
+                if found[lane] == Facing::Nothing {
                     *entry = Entry { code: Entry::ABSENT, index };
                 } else {
                     *facing = found[lane];
@@ -146,9 +150,7 @@ fn keyed(
 ) -> impl Iterator<Item = Option<(Keys, Occluder)>> {
     let count = ids.len();
     let tile = mesh.tile(ids);
-    let (keys, facings) = (mesh.light_keys(&tile), mesh.facings(&tile));
-    (0..count).map(move |lane| {
-        let keys = keys.entry(lane);
-        if keys == NOTHING { None } else { Some((keys, tile.occluder(lane, facings[lane])?)) }
-    })
+    let keys = mesh.light_keys(&tile);
+    let facings = mesh.facings(&tile, &keys);
+    (0..count).map(move |lane| Some((keys.entry(lane), tile.occluder(lane, facings[lane])?)))
 }

@@ -59,8 +59,9 @@ pub extern "C" fn check_keyed_tile(
     corner: &LightFrame,
 ) -> ([KeyTile; 2], Option<Occluder>) {
     let tile = mesh.tile(ids);
-    let [first, ..] = mesh.facings(&tile);
-    ([mesh.light_keys(&tile), mesh.corner_keys(&tile, corner)], tile.occluder(0, first))
+    let keys = mesh.light_keys(&tile);
+    let [first, ..] = mesh.facings(&tile, &keys);
+    ([keys, mesh.corner_keys(&tile, corner)], tile.occluder(0, first))
 }
 
 #[unsafe(no_mangle)]

@@ -40,7 +40,7 @@ pub struct Rays {
 }
 
 /// Seconds that a method may take before it runs on fewer receivers.
-const MOST_SECONDS: f64 = 6.0;
+const MOST_SECONDS: f64 = 3.0;
 /// Receivers, and rays each, by which the speed of a hierarchy is told.
 const PROBED: usize = 2048;
 const PROBE_SIDE: u32 = 6;
