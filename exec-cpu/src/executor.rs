@@ -118,7 +118,7 @@ impl CpuExecutor {
         Ok(self)
     }
 
-    /// Chooses the precision.
+    /// Chooses the precision. Masks of jittered samples are certified either way.
     #[must_use]
     pub fn with_precision(mut self, precision: Precision) -> Self {
         self.precision = precision;
