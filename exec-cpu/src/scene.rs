@@ -1,5 +1,7 @@
 //! What the engine hands over, snapped once: occluders and receivers on the lattice.
 
+use std::sync::{Mutex, PoisonError};
+
 use rayon::prelude::*;
 use thiserror::Error;
 use umbra4_core::{
@@ -103,15 +105,15 @@ impl Occluders {
     ) -> Result<Self, SceneError> {
         check_count("vertices", vertices.len())?;
         check_count("triangles", triangles.len())?;
-        for (triangle, indices) in triangles.iter().enumerate() {
-            for &vertex in indices {
-                if vertex as usize >= vertices.len() {
-                    return Err(SceneError::IndexOutOfRange { triangle, vertex, vertices: vertices.len() });
-                }
+        let triangles = each(triangles.len(), |triangle| {
+            let indices = triangles[triangle];
+            match indices.into_iter().find(|&vertex| vertex as usize >= vertices.len()) {
+                Some(vertex) => Err(SceneError::IndexOutOfRange { triangle, vertex, vertices: vertices.len() }),
+                None => Ok(indices),
             }
-        }
+        })?;
         let vertices = snap_all(vertices, snap, |index, source| SceneError::Vertex { index, source })?;
-        Ok(Self { vertices, triangles: triangles.to_vec() })
+        Ok(Self { vertices, triangles })
     }
 
     /// Lattice coordinates of the vertices.
@@ -169,11 +171,11 @@ impl Receivers {
         if normals.len() != points.len() {
             return Err(SceneError::NormalCount { count: normals.len(), receivers: points.len() });
         }
-        let mut receivers = Self::raw(lattice, points)?;
-        for (index, (point, normal)) in receivers.points.iter_mut().zip(normals).enumerate() {
-            *point = lifted(*point, *normal, lift).ok_or(SceneError::Normal { index, normal: *normal })?;
-        }
-        Ok(receivers)
+        let Self { points } = Self::raw(lattice, points)?;
+        let lifted = |index: usize| {
+            lifted(points[index], normals[index], lift).ok_or(SceneError::Normal { index, normal: normals[index] })
+        };
+        Ok(Self { points: each(points.len(), lifted)? })
     }
 
     /// Lattice coordinates of the receivers.
@@ -197,7 +199,26 @@ fn snap_all<P: Sync>(
     snap: impl Fn(&P) -> Result<IVec3, SnapError> + Sync + Send,
     error: impl Fn(usize, SnapError) -> SceneError + Sync,
 ) -> Result<Vec<IVec3>, SceneError> {
-    let snapped: Vec<Result<IVec3, SnapError>> = points.par_iter().map(snap).collect();
-    // The first bad element is named, whatever the number of threads.
-    snapped.into_iter().enumerate().map(|(index, p)| p.map_err(|source| error(index, source))).collect()
+    each(points.len(), |index| snap(&points[index]).map_err(|source| error(index, source)))
+}
+
+/// Makes `count` things on all threads. The first that is refused is named, whatever the number of threads.
+fn each<T: Default + Send>(
+    count: usize,
+    make: impl Fn(usize) -> Result<T, SceneError> + Sync,
+) -> Result<Vec<T>, SceneError> {
+    let refused: Mutex<Option<(usize, SceneError)>> = Mutex::new(None);
+    let refuse = |index: usize, error: SceneError| {
+        let mut first = refused.lock().unwrap_or_else(PoisonError::into_inner);
+        if first.as_ref().is_none_or(|(earlier, _)| index < *earlier) {
+            *first = Some((index, error));
+        }
+        T::default()
+    };
+    let things = (0..count).into_par_iter().map(|index| make(index).unwrap_or_else(|error| refuse(index, error)));
+    let things = things.collect();
+    match refused.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        None => Ok(things),
+        Some((_, error)) => Err(error),
+    }
 }

@@ -18,7 +18,7 @@ use crate::{
 /// Methods take turns in so many rounds; the slow ones rest in all but the first two.
 pub const ROUNDS: usize = 5;
 /// Seconds that a method may take to be in every round.
-pub const QUICK: f64 = 1.5;
+pub const QUICK: f64 = 1.0;
 /// Those of more run once: many frames, over which slow moments even out.
 pub const LONG: f64 = 10.0;
 
