@@ -26,10 +26,13 @@ impl Side {
     }
 }
 
+/// Most triangles that are looked through: three sides each can be counted in 32 bits, as edges are.
+pub(crate) const MOST_TRIANGLES: usize = 1 << 30;
+
 /// Triangles a job, whatever the number of threads: the sides come out in the same order.
 const PART: usize = 1 << 15;
 
-/// The sides of triangle `index`, those of triangles that are no part of the chain aside.
+/// The sides of a triangle; none where it is no part of the chain.
 fn sides([a, b, c]: [u32; 3], facing: Facing) -> impl Iterator<Item = Side> {
     let right = facing.direction();
     let count = if right == 0 { 0 } else { 3 };
@@ -111,27 +114,24 @@ impl Recent {
 /// Sums the sides that are the same, and leaves those where something is left.
 fn summed(vertices: usize, sides: &[Side]) -> Vec<Side> {
     // In buckets by their lower vertex: few meet in one.
-    let mut starts = vec![0_u32; vertices + 1];
+    let mut starts = vec![0_usize; vertices + 1];
     for side in sides {
         starts[side.from as usize + 1] += 1;
     }
     for vertex in 0..vertices {
         starts[vertex + 1] += starts[vertex];
     }
-    let mut next = starts.clone();
     let mut sorted = vec![Side::default(); sides.len()];
     for side in sides {
-        let place = &mut next[side.from as usize];
-        sorted[*place as usize] = *side;
+        let place = &mut starts[side.from as usize];
+        sorted[*place] = *side;
         *place += 1;
     }
     let mut left = Vec::new();
     for bucket in sorted.chunk_by_mut(|a, b| a.from == b.from) {
-        for k in 0..bucket.len() {
-            let mut side = bucket[k];
-            for other in bucket[k + 1..].iter_mut().filter(|other| other.to == side.to) {
-                side.right += std::mem::take(&mut other.right);
-            }
+        bucket.sort_unstable_by_key(|side| side.to);
+        for same in bucket.chunk_by(Side::is_along) {
+            let side = Side { right: same.iter().map(|side| side.right).sum(), ..same[0] };
             if side.right != 0 && side.from != side.to {
                 left.push(side);
             }

@@ -23,6 +23,7 @@ use crate::{
     executor::Answer,
     grid::{Cells, CellsInput},
     hierarchy::build_level_of,
+    open_sides::MOST_TRIANGLES,
     order::ordered,
     silhouette::{Silhouette, is_worthwhile},
     triangles::{KeyedTriangles, PackedTriangles},
@@ -108,6 +109,7 @@ impl<'a, W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, S, V> {
         }
         self.keyed.code(grid, scene);
         self.by_silhouette = facts.index == IndexKind::Silhouette
+            && scene.triangles().len() <= MOST_TRIANGLES
             && (self.how.index != Index::Auto || is_worthwhile(grid, scene, &self.keyed));
     }
 

@@ -29,7 +29,7 @@ pub(crate) struct KeyedTriangles {
     vertex_keys: Vec<VertexKeys>,
     /// By index.
     pub(crate) facings: Vec<Facing>,
-    /// Of those that count; along the curve once they are packed.
+    /// Of all; once they are packed, of those that count, along the curve.
     pub(crate) order: Vec<Entry>,
 }
 

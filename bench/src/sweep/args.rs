@@ -22,7 +22,11 @@ const RIVALS: &str =
 #[derive(Args)]
 pub struct SweepArgs {
     /// dragon11k, dragon48k, dragon203k, dragon871k, sponza, foliage, lattice, hairball.
-    #[arg(long, value_delimiter = ',', default_value = "dragon48k,dragon203k,sponza,foliage,lattice,hairball")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "dragon48k,dragon203k,dragon871k,sponza,foliage,lattice,hairball"
+    )]
     scene: Vec<String>,
     /// Contenders beside umbra4, named as for `compare`.
     #[arg(long, value_delimiter = ',', default_value = RIVALS)]

@@ -15,7 +15,7 @@ pub struct Avx2(__m256, __m256);
 #[derive(Clone, Copy)]
 pub struct Pair(__m256i, __m256i);
 
-// SAFETY of every block below: the intrinsics need AVX2 and FMA, which `Isa::detect` has found before any kernel that uses this
+// SAFETY of every block below: the intrinsics need AVX2 and FMA, which `Isa::available` has found before any kernel that uses this
 // type is called; loads and stores are unaligned and stay within arrays of sixteen;
 // gathers mask their indices to the table's length.
 macro_rules! intrinsics {

@@ -8,7 +8,7 @@ use umbra4_core::lanes::{Lanes, TILE, Table};
 #[derive(Clone, Copy)]
 pub struct Avx512(__m512);
 
-// SAFETY of every block below: the intrinsics need AVX-512 F and DQ, which `Isa::detect` has found before any kernel that uses
+// SAFETY of every block below: the intrinsics need AVX-512 F and DQ, which `Isa::available` has found before any kernel that uses
 // this type is called; loads and stores are unaligned and stay within arrays of sixteen.
 macro_rules! intrinsics {
     ($e:expr) => {{

@@ -2,7 +2,7 @@
 
 use core::arch::x86_64::*;
 
-// SAFETY of every block below: the intrinsics need AVX2 and FMA, which `Isa::detect` has found before any kernel that
+// SAFETY of every block below: the intrinsics need AVX2 and FMA, which `Isa::available` has found before any kernel that
 // calls this is run; loads and stores are unaligned and stay within arrays of four.
 macro_rules! intrinsics {
     ($e:expr) => {{
