@@ -9,7 +9,8 @@ use crate::{bvh_rival::BvhRival, problem::Problem, row_word::RowWord, umbra::Umb
 /// One run: its seconds, and what was counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Run {
-    /// Seconds of making the occluders ready: a hierarchy, or the snap to the lattice.
+    /// Seconds of making the occluders ready: a hierarchy, or the snap to the lattice; for those that follow a mesh that moves,
+    /// of following it once.
     pub build: f64,
     /// Seconds of all masks.
     pub masks: f64,
@@ -22,8 +23,8 @@ pub struct Run {
 pub enum ContenderError {
     /// There is no such contender.
     #[error(
-        "no contender is called {name}; there are umbra4[-triangles|-silhouette], umbra4-fast, obvhs[-cwbvh][-fast|-medium]; with the feature \
-         'embree' embree1, embree8 and embree16 with [-high][-robust][-square][-avx2]; with the feature 'tinybvh', on \
+        "no contender is called {name}; there are umbra4[-triangles|-silhouette], umbra4-fast, umbra4-arranged, obvhs[-cwbvh][-fast|-medium]; with the feature \
+         'embree' embree1, embree8 and embree16 with [-high][-robust][-square][-avx2][-refit]; with the feature 'tinybvh', on \
          a target with AVX2, tinybvh[-high]"
     )]
     Unknown {
@@ -80,10 +81,11 @@ pub struct Entry<W> {
 pub fn by_name<W: RowWord>(name: &str) -> Result<Entry<W>, ContenderError> {
     let unknown = || ContenderError::Unknown { name: name.to_owned() };
     let contender: Box<dyn Contender<W>> = match name {
-        "umbra4" => Box::new(Umbra { precision: Precision::Exact, index: Index::Auto }),
-        "umbra4-triangles" => Box::new(Umbra { precision: Precision::Exact, index: Index::Hierarchy }),
-        "umbra4-silhouette" => Box::new(Umbra { precision: Precision::Exact, index: Index::Silhouette }),
-        "umbra4-fast" => Box::new(Umbra { precision: Precision::Fast, index: Index::Auto }),
+        "umbra4" => Box::new(Umbra::new(Precision::Exact, Index::Auto)),
+        "umbra4-triangles" => Box::new(Umbra::new(Precision::Exact, Index::Hierarchy)),
+        "umbra4-silhouette" => Box::new(Umbra::new(Precision::Exact, Index::Silhouette)),
+        "umbra4-fast" => Box::new(Umbra::new(Precision::Fast, Index::Auto)),
+        "umbra4-arranged" => Box::new(Umbra::new(Precision::Exact, Index::Auto).arranged()),
         _ if name.starts_with("obvhs") => Box::new(BvhRival::named(name).ok_or_else(unknown)?),
         #[cfg(feature = "embree")]
         _ if name.starts_with("embree") => Box::new(crate::embree::Embree::named(name).ok_or_else(unknown)?),

@@ -20,6 +20,7 @@ mod problem;
 mod row_word;
 mod scene;
 mod shared_args;
+mod stages;
 mod subset;
 mod svg;
 mod sweep;
@@ -41,6 +42,7 @@ use lookup::LookupArgs;
 use memory::{ChildArgs, MemoryArgs};
 use scene::PAPER_LIGHT;
 use shared_args::{ImageArgs, RivalArgs, light_scale, seconds};
+use stages::StagesArgs;
 use sweep::SweepArgs;
 use umbra::{CALLING_THREAD, bind_calling_thread};
 use umbra4_wgpu::Choice;
@@ -61,6 +63,8 @@ enum Command {
     /// Compares umbra4 with ray tracers on several numbers of samples in one run, and with itself on two threads; prints a
     /// Markdown table.
     Sweep(SweepArgs),
+    /// Measures where umbra4's time goes, and how far it is from its floor; prints a Markdown table.
+    Stages(StagesArgs),
     /// Measures how umbra4's cost grows with triangles, receivers, the light's size and its samples; writes a .csv and an
     /// .svg a curve, and prints a Markdown table.
     Curves(CurvesArgs),
@@ -298,6 +302,7 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Compare(args) => run_compare(&args).map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::Sweep(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
+        Command::Stages(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::Curves(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::Memory(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::MemoryChild(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),

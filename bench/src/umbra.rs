@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use umbra4_cpu::{CpuExecutor, Index, Occluders, Precision};
+use umbra4_cpu::{CpuExecutor, Index, Occluders, Precision, SceneError};
 
 use crate::{
     contender::{Contender, ContenderError, Run},
@@ -25,10 +25,22 @@ pub fn bind_calling_thread() -> Result<(), rayon::ThreadPoolBuildError> {
 /// umbra4 on the CPU. Its index is built with the masks, so `build` is the snap of the occluders alone.
 #[derive(Clone, Copy, Debug)]
 pub struct Umbra {
-    /// Exact or plain f32.
-    pub precision: Precision,
-    /// How triangles and receivers are paired.
-    pub index: Index,
+    precision: Precision,
+    index: Index,
+    arranged: bool,
+}
+
+impl Umbra {
+    /// In this precision, with triangles and receivers paired like this.
+    pub fn new(precision: Precision, index: Index) -> Self {
+        Self { precision, index, arranged: false }
+    }
+
+    /// The mesh was arranged before; of it, only the vertices' new places are taken.
+    #[must_use]
+    pub fn arranged(self) -> Self {
+        Self { arranged: true, ..self }
+    }
 }
 
 impl<W: RowWord> Contender<W> for Umbra {
@@ -38,10 +50,19 @@ impl<W: RowWord> Contender<W> for Umbra {
             CALLING_THREAD => executor,
             threads => executor.with_threads(threads)?,
         };
-        let (run, words) = measured_section(&executor, problem)?;
+        let (run, words) = if self.arranged {
+            let occluders = snapped(problem)?.arranged();
+            measured_frame(&executor, problem, occluders)?
+        } else {
+            measured_section(&executor, problem)?
+        };
         out.copy_from_slice(&words);
         Ok(run)
     }
+}
+
+fn snapped(problem: &Problem<'_>) -> Result<Occluders, SceneError> {
+    Occluders::new(&problem.lattice, &problem.model.vertices, &problem.model.triangles)
 }
 
 /// What is timed, as a function of its own, so that a profiler can count this and nothing else.
@@ -51,10 +72,29 @@ fn measured_section<W: RowWord>(
     problem: &Problem<'_>,
 ) -> Result<(Run, Vec<W>), ContenderError> {
     let start = Instant::now();
-    let occluders = Occluders::new(&problem.lattice, &problem.model.vertices, &problem.model.triangles)?;
-    let build = start.elapsed().as_secs_f64();
+    let occluders = snapped(problem)?;
+    resolved(executor, problem, &occluders, start.elapsed().as_secs_f64())
+}
+
+/// The same for a frame of a mesh that is arranged.
+fn measured_frame<W: RowWord>(
+    executor: &CpuExecutor,
+    problem: &Problem<'_>,
+    mut occluders: Occluders,
+) -> Result<(Run, Vec<W>), ContenderError> {
     let start = Instant::now();
-    let (masks, statistics) = executor.masks::<W>(&occluders, &problem.light, &problem.receivers)?;
+    occluders.move_vertices(&problem.lattice, &problem.model.vertices)?;
+    resolved(executor, problem, &occluders, start.elapsed().as_secs_f64())
+}
+
+fn resolved<W: RowWord>(
+    executor: &CpuExecutor,
+    problem: &Problem<'_>,
+    occluders: &Occluders,
+    build: f64,
+) -> Result<(Run, Vec<W>), ContenderError> {
+    let start = Instant::now();
+    let (masks, statistics) = executor.masks::<W>(occluders, &problem.light, &problem.receivers)?;
     let run = Run { build, masks: start.elapsed().as_secs_f64(), counts: Some(statistics.counts) };
     Ok((run, masks.into_words()))
 }

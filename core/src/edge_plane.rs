@@ -397,7 +397,7 @@ fn turned<L: Lanes>(flipped: u32, first: usize) -> L {
 }
 
 #[inline(always)]
-fn dot<L: Lanes>(a: &[L; 3], b: &[L; 3]) -> L {
+pub(crate) fn dot<L: Lanes>(a: &[L; 3], b: &[L; 3]) -> L {
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0].mul(b[0])))
 }
 

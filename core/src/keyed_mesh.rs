@@ -48,7 +48,7 @@ impl VertexKeys {
     /// Whether a vertex touches the light plane, or lies behind it: slopes have no bound.
     #[inline(always)]
     pub fn touches(&self) -> bool {
-        self.keys[4] > -TOUCHING
+        touches(self.keys[4])
     }
 
     /// Keys for the light.
@@ -57,6 +57,12 @@ impl VertexKeys {
         let [a, last_a, b, last_b, low, ..] = self.keys;
         [a, last_a, b, last_b, low]
     }
+}
+
+/// The same, told from the height among its keys.
+#[inline(always)]
+fn touches(height: f32) -> bool {
+    height > -TOUCHING
 }
 
 /// Sixteen triangles of a mesh, or fewer: what they have in memory brought together, lane-major.
@@ -84,7 +90,7 @@ impl TriangleTile {
     fn touching(&self) -> u32 {
         let mut bits = 0;
         for (lane, key) in self.between[4].iter().enumerate() {
-            bits |= u32::from(*key > -TOUCHING) << lane;
+            bits |= u32::from(touches(*key)) << lane;
         }
         bits & self.lanes
     }

@@ -1,9 +1,8 @@
 //! Triangles as a light sees them: on which side of their plane it lies, and their corners in that order.
 
 #[cfg(not(target_arch = "spirv"))]
-#[cfg(not(target_arch = "spirv"))]
 use crate::{
-    edge_plane::{cross_magnitudes, float},
+    edge_plane::{cross_magnitudes, dot, float},
     lanes::{Lanes, TILE},
     real::Real,
 };
@@ -11,9 +10,6 @@ use crate::{
     exact::{self, Wide},
     light::LatticeLight,
 };
-#[cfg(not(target_arch = "spirv"))]
-use core::ops::Neg;
-
 use glam::IVec3;
 
 /// On which side of a triangle's plane the light's samples lie.
@@ -61,7 +57,7 @@ impl Facing {
     /// Of a triangle on whose plane's positive side the samples lie by `lowest` to `highest`, both known to within `doubt`.
     #[cfg(not(target_arch = "spirv"))]
     #[inline(always)]
-    fn between<F: PartialOrd + Neg<Output = F> + Copy>(lowest: F, highest: F, doubt: F) -> Option<Self> {
+    fn between(lowest: f64, highest: f64, doubt: f64) -> Option<Self> {
         if lowest > doubt {
             Some(Self::Front)
         } else if highest < -doubt {
@@ -161,12 +157,12 @@ fn long_facing(light: &LatticeLight, [a, b, c]: [IVec3; 3]) -> Option<Facing> {
     let (rows, columns) = (light.last_row(), light.last_column());
     let normal = <f64 as Real>::cross(e, f);
     let at = <f64 as Real>::dot(&normal, d);
-    let along = <f64 as Real>::dot(&normal, light.step_u) * f64::from(columns);
-    let across = <f64 as Real>::dot(&normal, light.step_v) * f64::from(rows);
+    let across = <f64 as Real>::dot(&normal, light.step_u) * f64::from(columns);
+    let along = <f64 as Real>::dot(&normal, light.step_v) * f64::from(rows);
     let extent = float(light.step_u).abs() * columns + float(light.step_v).abs() * rows;
     // Twice the error of the terms: for their sum, and for the bound's own arithmetic.
     let doubt = 2.0 * <f64 as Real>::SIDE_ERROR * cross_magnitudes(float(e), float(f)).dot(float(d).abs() + extent);
-    let (lowest, highest) = (at + along.min(0.0) + across.min(0.0), at + along.max(0.0) + across.max(0.0));
+    let (lowest, highest) = (at + across.min(0.0) + along.min(0.0), at + across.max(0.0) + along.max(0.0));
     Facing::between(lowest, highest, f64::from(doubt))
 }
 
@@ -214,11 +210,11 @@ impl LightSides {
             let splat = |a: [f32; 3]| [L::splat(a[0]), L::splat(a[1]), L::splat(a[2])];
             let extent = splat(self.extent);
             let reach = [d[0].abs().add(extent[0]), d[1].abs().add(extent[1]), d[2].abs().add(extent[2])];
-            let (at, zero) = (dot(normal, d), L::splat(0.0));
-            let (across, along) = (dot(normal, splat(self.across)), dot(normal, splat(self.along)));
+            let (at, zero) = (dot(&normal, &d), L::splat(0.0));
+            let (across, along) = (dot(&normal, &splat(self.across)), dot(&normal, &splat(self.along)));
             // Twice the error of the terms, and a quarter more: for their sum, the bound's own arithmetic, and since signs
             // are taken as sure at the bound itself.
-            let doubt = dot(magnitude, reach).mul(L::splat(2.5 * <f32 as Real>::SIDE_ERROR));
+            let doubt = dot(&magnitude, &reach).mul(L::splat(2.5 * <f32 as Real>::SIDE_ERROR));
             let lowest = at.add(across.min(zero)).add(along.min(zero));
             let highest = at.add(across.max(zero)).add(along.max(zero));
             let least = zero.sub(doubt);
@@ -229,12 +225,6 @@ impl LightSides {
         }
         [front, back, mixed]
     }
-}
-
-#[cfg(not(target_arch = "spirv"))]
-#[inline(always)]
-fn dot<L: Lanes>(a: [L; 3], b: [L; 3]) -> L {
-    a[0].mul(b[0]).add(a[1].mul(b[1])).add(a[2].mul(b[2]))
 }
 
 /// `a × b`, both products of each axis put together by `sum`.

@@ -36,6 +36,8 @@ pub struct SceneFacts {
     pub index: IndexKind,
     /// Whether the light's samples are jittered.
     pub jittered: bool,
+    /// Whether the triangles come in an order that suits every light.
+    pub arranged: bool,
 }
 
 /// One dispatch of one stage.
@@ -90,7 +92,7 @@ impl Plan {
         };
         once(Stage::SnapVertices, facts.new_vertices, 0)?;
         once(Stage::KeyTriangles, facts.triangles, 0)?;
-        if facts.index != IndexKind::Grid {
+        if facts.index != IndexKind::Grid && !facts.arranged {
             once(Stage::OrderTriangles, facts.triangles, 0)?;
         }
         for level in 1..self.levels.count() {
@@ -145,6 +147,7 @@ impl Plan {
             Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells if !grid => {
                 (false, "the hierarchy is the index")
             }
+            Stage::OrderTriangles if facts.arranged => (false, "the mesh is arranged"),
             Stage::FindSilhouette if facts.index != IndexKind::Silhouette => (false, "triangles are taken one by one"),
             Stage::FindSilhouette if triangles => (true, "edges inside a surface change nothing"),
             Stage::KeyTriangles | Stage::OrderTriangles | Stage::FindSilhouette | Stage::BinTriangles if !triangles => {

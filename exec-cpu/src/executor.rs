@@ -150,6 +150,7 @@ impl CpuExecutor {
     pub fn plan(&self, occluders: &Occluders, light: &LatticeLight, receivers: &Receivers, visibility: bool) -> Plan {
         Plan::new(SceneFacts {
             jittered: light.jitter.is_some(),
+            arranged: occluders.arrangement().is_some(),
             new_vertices: 0,
             triangles: occluders.triangles().len() as u32,
             receivers: receivers.len() as u32,

@@ -1,10 +1,12 @@
 //! Runs umbra4's exact soft-shadow stages on CPU threads: memory, scheduling and instruction sets for the geometry of
 //! `umbra4-core`.
 
+mod arrangement;
 mod executor;
 mod grid;
 mod hierarchy;
 mod masks;
+mod neighbours;
 mod open_sides;
 mod order;
 mod run;

@@ -5,7 +5,9 @@ use std::{marker::PhantomData, sync::Mutex, time::Instant};
 use rayon::prelude::*;
 use umbra4_core::{
     Counts, Executor, IndexKind, LatticeLight, Pass, Plan, Precision,
+    corner::corner_light,
     edge_plane::LightGrid,
+    frame::LightFrame,
     lanes::TILE,
     occluder::Occluder,
     order::Entry,
@@ -53,7 +55,8 @@ pub(crate) struct Run<'a, W, S, V> {
     grid: LightGrid,
     keyed: KeyedTriangles,
     packed: PackedTriangles,
-    by_silhouette: bool,
+    /// Frame of the light of the first sample, where masks go by the silhouette.
+    corner: Option<LightFrame>,
     receiver_keys: Vec<Option<Keys>>,
     receiver_order: Vec<Entry>,
     /// All triangles, by index: of the grid.
@@ -82,7 +85,7 @@ impl<'a, W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, S, V> {
             grid: LightGrid::new(light),
             keyed: KeyedTriangles::default(),
             packed: PackedTriangles::default(),
-            by_silhouette: false,
+            corner: None,
             receiver_keys: Vec::new(),
             receiver_order: Vec::new(),
             for_cells: Vec::new(),
@@ -107,25 +110,34 @@ impl<'a, W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, S, V> {
             self.for_cells = std::mem::take(&mut self.keyed).by_index(grid, scene);
             return;
         }
-        self.keyed.code(grid, scene);
-        self.by_silhouette = facts.index == IndexKind::Silhouette
-            && scene.triangles().len() <= MOST_TRIANGLES
-            && (self.how.index != Index::Auto || is_worthwhile(grid, scene, &self.keyed));
+        let has_edges = facts.index == IndexKind::Silhouette && scene.triangles().len() <= MOST_TRIANGLES;
+        let corner = has_edges.then(|| LightFrame::new(&corner_light(&grid.light)));
+        if let Some(arrangement) = scene.arrangement() {
+            self.packed = self.keyed.pack_in_place(grid, scene, self.how.plan.levels(), corner.as_ref());
+            self.keyed.open_sides = corner.map(|_| arrangement.neighbours.open(&self.keyed.facings));
+        } else {
+            self.keyed.code(grid, scene);
+        }
+        let keyed = &self.keyed;
+        self.corner = corner.filter(|_| self.how.index != Index::Auto || is_worthwhile(grid, scene, keyed));
+        if facts.arranged && self.corner.is_none() {
+            (self.keyed, self.packed.corner_nodes) = Default::default();
+        }
     }
 
     fn order_triangles(&mut self) {
         let levels = self.how.plan.levels();
-        self.packed = self.keyed.pack(&self.grid, self.occluders, levels, self.by_silhouette);
-        if !self.by_silhouette {
+        self.packed = self.keyed.pack(&self.grid, self.occluders, levels, self.corner.as_ref());
+        if self.corner.is_none() {
             self.keyed = KeyedTriangles::default();
         }
     }
 
     fn find_silhouette(&mut self) {
-        if self.by_silhouette {
+        if let Some(corner) = self.corner {
             let (levels, facing) = (self.how.plan.levels(), std::mem::take(&mut self.packed.corner_nodes));
-            let keyed = std::mem::take(&mut self.keyed);
-            self.silhouette = Some(Silhouette::find(&self.grid, self.occluders, &keyed, levels, facing));
+            let mut keyed = std::mem::take(&mut self.keyed);
+            self.silhouette = Some(Silhouette::find(&self.grid, self.occluders, &mut keyed, levels, corner, facing));
         }
     }
 

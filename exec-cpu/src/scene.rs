@@ -10,6 +10,8 @@ use umbra4_core::{
     stage::snap_receivers::lifted,
 };
 
+use crate::arrangement::Arrangement;
+
 /// Why a scene is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SceneError {
@@ -57,6 +59,14 @@ pub enum SceneError {
         /// How many can be.
         most: usize,
     },
+    /// A mesh does not move to another number of vertices.
+    #[error("{count} vertices for a mesh of {vertices}")]
+    VertexCount {
+        /// Vertices given.
+        count: usize,
+        /// Vertices of the mesh.
+        vertices: usize,
+    },
     /// Two arrays that belong together differ in length.
     #[error("{count} normals for {receivers} receivers")]
     NormalCount {
@@ -79,6 +89,7 @@ fn check_count(field: &'static str, count: usize) -> Result<(), SceneError> {
 pub struct Occluders {
     vertices: Vec<IVec3>,
     triangles: Vec<[u32; 3]>,
+    arrangement: Option<Arrangement>,
 }
 
 impl Occluders {
@@ -113,7 +124,71 @@ impl Occluders {
             }
         })?;
         let vertices = snap_all(vertices, snap, |index, source| SceneError::Vertex { index, source })?;
-        Ok(Self { vertices, triangles })
+        Ok(Self { vertices, triangles, arrangement: None })
+    }
+
+    /// The same occluders, in an order that suits every light, and with their neighbours found: worth its while for a mesh
+    /// that serves more lights or frames than two or three. Runs then neither sort triangles nor search for neighbours.
+    /// Masks are the same.
+    ///
+    /// [`Occluders::vertices`] and [`Occluders::triangles`] come in another order afterwards.
+    #[must_use]
+    pub fn arranged(self) -> Self {
+        let Self { mut vertices, mut triangles, arrangement } = self;
+        let arrangement = arrangement.unwrap_or_else(|| Arrangement::of(&mut vertices, &mut triangles));
+        Self { vertices, triangles, arrangement: Some(arrangement) }
+    }
+
+    /// Moves the vertices, which come in the order in which they were given to [`Occluders::new`]. An arrangement stays
+    /// good (the masks always are; triangles that end up far from where they were arranged take more time).
+    ///
+    /// ```
+    /// use umbra4_cpu::Occluders;
+    /// use umbra4_core::{glam::{DVec3, Vec3}, Bounds, Lattice};
+    ///
+    /// let lattice = Lattice::covering(Bounds { min: DVec3::splat(-4.0), max: DVec3::splat(4.0) })?;
+    /// let mut vertices = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    /// let mut occluders = Occluders::new(&lattice, &vertices, &[[0, 1, 2], [2, 1, 3]])?.arranged();
+    /// for frame in 0..3 {
+    ///     vertices[3].z = 1.0 + frame as f32;
+    ///     occluders.move_vertices(&lattice, &vertices)?;
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Another number of vertices; the first that is not finite or outside the lattice. Nothing has moved then.
+    pub fn move_vertices(&mut self, lattice: &Lattice, vertices: &[Vec3]) -> Result<(), SceneError> {
+        self.moved(vertices, |v| lattice.snap(*v))
+    }
+
+    /// As [`Occluders::move_vertices`], from f64 coordinates.
+    ///
+    /// # Errors
+    /// As [`Occluders::move_vertices`].
+    pub fn move_vertices_f64(&mut self, lattice: &Lattice, vertices: &[DVec3]) -> Result<(), SceneError> {
+        self.moved(vertices, |v| lattice.snap_f64(*v))
+    }
+
+    fn moved<V: Sync>(
+        &mut self,
+        vertices: &[V],
+        snap: impl Fn(&V) -> Result<IVec3, SnapError> + Sync + Send,
+    ) -> Result<(), SceneError> {
+        if vertices.len() != self.vertices.len() {
+            return Err(SceneError::VertexCount { count: vertices.len(), vertices: self.vertices.len() });
+        }
+        let vertices = snap_all(vertices, snap, |index, source| SceneError::Vertex { index, source })?;
+        self.vertices = match &mut self.arrangement {
+            Some(arrangement) => arrangement.follow(&vertices, &self.triangles),
+            None => vertices,
+        };
+        Ok(())
+    }
+
+    /// What was found of an arranged mesh.
+    pub(crate) fn arrangement(&self) -> Option<&Arrangement> {
+        self.arrangement.as_ref()
     }
 
     /// Lattice coordinates of the vertices.

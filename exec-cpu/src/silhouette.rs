@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 use umbra4_core::{
-    corner::corner_light,
     edge_plane::LightGrid,
     frame::LightFrame,
     hierarchy::Levels,
@@ -38,24 +37,29 @@ pub(crate) struct Silhouette {
     edges: Hierarchy<SilhouetteEdge>,
 }
 
-/// Whether edges are so few for the triangles that they are done sooner.
+/// Whether edges are so few for the triangles that they are done sooner. Where they are not known yet, they are estimated.
 pub(crate) fn is_worthwhile(grid: &LightGrid, scene: &Occluders, keyed: &KeyedTriangles) -> bool {
     let triangles_an_edge = if grid.light.jitter.is_some() { WORTHWHILE_JITTERED } else { WORTHWHILE };
     let triangles = keyed.facings.iter().filter(|facing| **facing != Facing::Nothing).count();
-    estimated(scene.triangles(), &keyed.facings) * triangles_an_edge <= triangles
+    let edges = match &keyed.open_sides {
+        Some(sides) => sides.len(),
+        None => estimated(scene.triangles(), &keyed.facings),
+    };
+    edges * triangles_an_edge <= triangles
 }
 
 impl Silhouette {
-    /// The silhouette of a scene. `facing`: leaves of the hierarchy for the light's first sample, and room above.
+    /// The silhouette of a scene. `corner`: frame of the light of the first sample; `facing`: leaves of the hierarchy for that
+    /// light, and room above.
     pub(crate) fn find(
         grid: &LightGrid,
         scene: &Occluders,
-        keyed: &KeyedTriangles,
+        keyed: &mut KeyedTriangles,
         levels: &Levels,
+        corner: LightFrame,
         mut facing: Vec<KeyTile>,
     ) -> Self {
         build_levels(levels, &mut facing);
-        let corner = LightFrame::new(&corner_light(&grid.light));
         let mixed = packed(&grid.frame, &keyed.mixed(grid, scene));
         Self { corner, mixed, facing, edges: packed(&grid.frame, &edges(grid, scene, keyed)) }
     }
@@ -78,10 +82,10 @@ fn packed<T: Copy + Sync>(frame: &LightFrame, things: &[(T, Keys)]) -> Hierarchy
 }
 
 /// The edges, with their keys.
-fn edges(grid: &LightGrid, scene: &Occluders, keyed: &KeyedTriangles) -> Vec<(SilhouetteEdge, Keys)> {
+fn edges(grid: &LightGrid, scene: &Occluders, keyed: &mut KeyedTriangles) -> Vec<(SilhouetteEdge, Keys)> {
+    let sides = keyed.open_sides.take().unwrap_or_else(|| open_sides(scene, &keyed.facings));
     let (vertices, mesh) = (scene.vertices(), keyed.mesh(grid, scene));
-    let sides = open_sides(scene, &keyed.facings).into_par_iter();
-    let edge = sides.map(|side| {
+    let edge = sides.into_par_iter().map(|side| {
         let (from, to) = (vertices[side.from as usize], vertices[side.to as usize]);
         (SilhouetteEdge::new(from, to, side.right), mesh.edge_keys(side.from, side.to))
     });

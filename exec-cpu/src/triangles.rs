@@ -5,11 +5,10 @@ use std::iter::once;
 use bytemuck::allocation::zeroed_vec;
 use rayon::prelude::*;
 use umbra4_core::{
-    corner::corner_light,
     edge_plane::LightGrid,
     frame::LightFrame,
     hierarchy::Levels,
-    keyed_mesh::{KeyedMesh, VertexKeys},
+    keyed_mesh::{KeyedMesh, TriangleTile, VertexKeys},
     occluder::{Facing, Occluder},
     order::{Entry, code},
     proj4::{KeyTile, Keys, NODE, NOTHING},
@@ -17,6 +16,7 @@ use umbra4_core::{
 
 use crate::{
     Occluders,
+    open_sides::Side,
     order::{fitted, sort},
 };
 
@@ -31,6 +31,8 @@ pub(crate) struct KeyedTriangles {
     pub(crate) facings: Vec<Facing>,
     /// Of all; once they are packed, of those that count, along the curve.
     pub(crate) order: Vec<Entry>,
+    /// The boundary of those that face the light, where neighbours are known.
+    pub(crate) open_sides: Option<Vec<Side>>,
 }
 
 /// Triangles in order, and the lowest level of their hierarchy.
@@ -91,46 +93,51 @@ impl KeyedTriangles {
         leaves.flat_map_iter(|leaf| keyed(&mesh, leaf * NODE..count.min((leaf + 1) * NODE))).collect()
     }
 
-    /// Puts them in order, and packs them; `corner`: by their keys for the light's first sample, too.
+    /// Puts them in order, and packs them; by their keys for the light's first sample, too, where the frame of that light is
+    /// given.
     pub(crate) fn pack(
         &mut self,
         grid: &LightGrid,
         scene: &Occluders,
         levels: &Levels,
-        corner: bool,
+        corner: Option<&LightFrame>,
     ) -> PackedTriangles {
         sort(&mut self.order);
         // Those that take no part come last.
         self.order.truncate(self.order.partition_point(|entry| entry.code != Entry::ABSENT));
-        let mesh = self.mesh(grid, scene);
-        let corner_frame = LightFrame::new(&corner_light(&grid.light));
-        let leaf = |occluders: &mut [Occluder], entries: &[Entry], keys: &mut KeyTile, corner: Option<&mut KeyTile>| {
+        let (mesh, leaves) = (self.mesh(grid, scene), self.order.par_chunks(NODE));
+        PackedTriangles::of(self.order.len(), levels, corner, leaves, |entries, leaf| {
+            let mut facings = [Facing::Nothing; NODE];
+            for (facing, entry) in facings.iter_mut().zip(entries) {
+                *facing = self.facings[entry.index as usize];
+            }
             let tile = mesh.tile(entries.iter().map(|entry| entry.index as usize));
-            let facing = |entry: &Entry| self.facings[entry.index as usize];
-            for (lane, (occluder, entry)) in occluders.iter_mut().zip(entries).enumerate() {
-                *occluder = tile.occluder(lane, facing(entry)).unwrap_or(Occluder::NONE);
-            }
-            *keys = mesh.light_keys(&tile);
-            if let Some(corner) = corner {
-                *corner = mesh.corner_keys(&tile, &corner_frame);
-                for (lane, _) in entries.iter().enumerate().filter(|(_, entry)| facing(entry) == Facing::Mixed) {
-                    corner.set(lane, &NOTHING);
-                }
-            }
-        };
-        let mut occluders: Vec<Occluder> = zeroed_vec(self.order.len());
-        let mut nodes = vec![KeyTile::NOTHING; levels.tiles()];
-        let mut corner_nodes = vec![KeyTile::NOTHING; if corner { levels.tiles() } else { 0 }];
-        let things = occluders.par_chunks_mut(NODE).zip(self.order.par_chunks(NODE)).with_min_len(LEAVES_A_JOB);
-        let leaves = things.zip(&mut nodes);
-        if corner {
-            leaves.zip(&mut corner_nodes).for_each(|(((occluders, entries), keys), corner)| {
-                leaf(occluders, entries, keys, Some(corner));
-            });
-        } else {
-            leaves.for_each(|((occluders, entries), keys)| leaf(occluders, entries, keys, None));
-        }
-        PackedTriangles { occluders, nodes, corner_nodes }
+            let keys = mesh.light_keys(&tile);
+            leaf.fill(&mesh, &tile, keys, &facings);
+        })
+    }
+
+    /// Every triangle's side, and all of them packed as they lie: what takes no part leaves a gap.
+    pub(crate) fn pack_in_place(
+        &mut self,
+        grid: &LightGrid,
+        scene: &Occluders,
+        levels: &Levels,
+        corner: Option<&LightFrame>,
+    ) -> PackedTriangles {
+        let count = scene.triangles().len();
+        let mut facings = vec![Facing::Nothing; count];
+        let (mesh, leaves) = (self.mesh(grid, scene), facings.par_chunks_mut(NODE).enumerate());
+        let packed = PackedTriangles::of(count, levels, corner, leaves, |(index, facings), leaf| {
+            let first = index * NODE;
+            let tile = mesh.tile(first..first + facings.len());
+            let keys = mesh.light_keys(&tile);
+            let found = mesh.facings(&tile, &keys);
+            facings.copy_from_slice(&found[..facings.len()]);
+            leaf.fill(&mesh, &tile, keys, &found);
+        });
+        self.facings = facings;
+        packed
     }
 
     /// The mixed ones, with their keys.
@@ -140,6 +147,57 @@ impl KeyedTriangles {
         let ids: Vec<usize> = facings.filter(|(_, facing)| **facing == Facing::Mixed).map(|(id, _)| id).collect();
         let found = ids.par_chunks(NODE).flat_map_iter(|ids| keyed(&mesh, ids.iter().copied()));
         found.flatten_iter().map(|(keys, occluder)| (occluder, keys)).collect()
+    }
+}
+
+/// Where sixteen triangles are packed.
+struct Leaf<'a> {
+    occluders: &'a mut [Occluder],
+    keys: &'a mut KeyTile,
+    corner: Option<(&'a LightFrame, &'a mut KeyTile)>,
+}
+
+impl Leaf<'_> {
+    /// With triangles, their keys for the light, and their sides of it.
+    fn fill(self, mesh: &KeyedMesh<'_>, tile: &TriangleTile, keys: KeyTile, facings: &[Facing; NODE]) {
+        for (lane, (occluder, facing)) in self.occluders.iter_mut().zip(facings).enumerate() {
+            *occluder = tile.occluder(lane, *facing).unwrap_or(Occluder::NONE);
+        }
+        let without = |mut keys: KeyTile, out: fn(Facing) -> bool| {
+            for (lane, _) in facings.iter().enumerate().filter(|(_, facing)| out(**facing)) {
+                keys.set(lane, &NOTHING);
+            }
+            keys
+        };
+        *self.keys = without(keys, |facing| facing == Facing::Nothing);
+        if let Some((frame, keys)) = self.corner {
+            *keys = without(mesh.corner_keys(tile, frame), |facing| facing.direction() == 0);
+        }
+    }
+}
+
+impl PackedTriangles {
+    /// Of `count` triangles: `fill` is called with each of `leaves` and its room.
+    fn of<T: Send>(
+        count: usize,
+        levels: &Levels,
+        corner: Option<&LightFrame>,
+        leaves: impl IndexedParallelIterator<Item = T>,
+        fill: impl Fn(T, Leaf<'_>) + Sync + Send,
+    ) -> Self {
+        let mut occluders: Vec<Occluder> = zeroed_vec(count);
+        let mut nodes = vec![KeyTile::NOTHING; levels.tiles()];
+        let mut corner_nodes = vec![KeyTile::NOTHING; if corner.is_some() { levels.tiles() } else { 0 }];
+        let rooms = occluders.par_chunks_mut(NODE).zip(&mut nodes);
+        let leaves = leaves.zip(rooms).with_min_len(LEAVES_A_JOB);
+        if let Some(frame) = corner {
+            leaves.zip(&mut corner_nodes).for_each(|((leaf, (occluders, keys)), corner_keys)| {
+                fill(leaf, Leaf { occluders, keys, corner: Some((frame, corner_keys)) });
+            });
+        } else {
+            leaves.for_each(|(leaf, (occluders, keys))| fill(leaf, Leaf { occluders, keys, corner: None }));
+        }
+        Self { occluders, nodes, corner_nodes }
     }
 }
 

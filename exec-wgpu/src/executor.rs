@@ -207,6 +207,7 @@ impl WgpuExecutor {
             block: block(&layout(slice), self.block),
             index: IndexKind::Hierarchy,
             jittered: light.jitter.is_some(),
+            arranged: false,
         });
         let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);
         let Work { recorder, scratch } = match &mut *work {

@@ -242,6 +242,7 @@ impl SoftShadows {
                 block: block(&layout, BLOCK),
                 index: IndexKind::Hierarchy,
                 jittered: own.light.jitter.is_some(),
+                arranged: false,
             });
             let buffers = Buffers::fit(&mut self.scratch, &self.device, &plan, &layout, checked.vertices)?;
             if first {

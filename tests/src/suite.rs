@@ -2,16 +2,19 @@
 //!
 //! A further executor is one line: implement [`Subject`] and name it in [`conformance_suite!`](crate::conformance_suite).
 
+use std::borrow::Cow;
+
 use bytemuck::Zeroable;
 use umbra4_core::{
     Exact, IndexKind, Lift, Plan, SceneFacts,
+    glam::DVec3,
     occluder::Occluder,
     order::Entry,
     proj4::{KeyTile, NOTHING},
     serial::{Buffers, Serial},
     snap::SnapParams,
 };
-use umbra4_cpu::{Binning, CpuExecutor, CpuWord, GridOptions, Index, Isa, Rows};
+use umbra4_cpu::{Binning, CpuExecutor, CpuWord, GridOptions, Index, Isa, Occluders, Rows};
 
 use crate::{
     compare::{Amount, Compared, Mismatch, bits_of, compare_masks, compare_visibility, lit_counts},
@@ -48,6 +51,7 @@ pub struct Cpu {
     executor: CpuExecutor,
     name: String,
     grid: bool,
+    arranged: bool,
 }
 
 impl Cpu {
@@ -55,7 +59,7 @@ impl Cpu {
     pub fn new(threads: usize, isa: Isa) -> Self {
         let executor = CpuExecutor::new().with_isa(isa).with_threads(threads).expect("threads can be started");
         assert_eq!(executor.isa(), isa, "the processor has the instruction set that is tested");
-        Self { executor, name: format!("cpu, {threads} threads, {isa}"), grid: false }
+        Self { executor, name: format!("cpu, {threads} threads, {isa}"), grid: false, arranged: false }
     }
 }
 
@@ -90,6 +94,28 @@ impl Cpu {
 }
 
 impl Cpu {
+    /// Meshes are arranged in another shape, and then moved to where they are.
+    #[must_use]
+    pub fn arranged(self) -> Self {
+        Self { name: format!("{}, arranged", self.name), arranged: true, ..self }
+    }
+
+    fn occluders<'a>(&self, inputs: &'a Inputs) -> Result<Cow<'a, Occluders>, String> {
+        if !self.arranged {
+            return Ok(Cow::Borrowed(&inputs.occluders));
+        }
+        let lattice = &inputs.lattice;
+        let vertices: Vec<DVec3> = inputs.occluders.vertices().iter().map(|&p| lattice.to_world(p)).collect();
+        let mut elsewhere = vertices.clone();
+        elsewhere.rotate_left(1.min(vertices.len()));
+        let occluders = Occluders::from_f64(lattice, &elsewhere, inputs.occluders.triangles());
+        let mut occluders = occluders.map_err(|error| error.to_string())?.arranged();
+        occluders.move_vertices_f64(lattice, &vertices).map_err(|error| error.to_string())?;
+        Ok(Cow::Owned(occluders))
+    }
+}
+
+impl Cpu {
     /// The paper's grid with all its optimisations, on two threads.
     pub fn grid() -> Self {
         Self::nth_isa(2, 0).with_grid(GridOptions::default())
@@ -107,7 +133,7 @@ impl Cpu {
 
     fn with_grid(self, options: GridOptions) -> Self {
         let name = format!("{}, {options:?}", self.name);
-        Self { executor: self.executor.with_index(Index::Grid(options)), name, grid: true }
+        Self { executor: self.executor.with_index(Index::Grid(options)), name, grid: true, ..self }
     }
 }
 
@@ -123,7 +149,7 @@ impl Subject for Cpu {
     fn masks<W: CpuWord>(&self, inputs: &Inputs) -> Result<Vec<W>, String> {
         let (masks, _) = self
             .executor
-            .masks::<W>(&inputs.occluders, &inputs.light, &inputs.receivers)
+            .masks::<W>(self.occluders(inputs)?.as_ref(), &inputs.light, &inputs.receivers)
             .map_err(|error| error.to_string())?;
         Ok(masks.into_words())
     }
@@ -131,7 +157,7 @@ impl Subject for Cpu {
     fn visibility(&self, inputs: &Inputs) -> Result<Vec<f32>, String> {
         let (visibility, _) = self
             .executor
-            .visibility(&inputs.occluders, &inputs.light, &inputs.receivers)
+            .visibility(self.occluders(inputs)?.as_ref(), &inputs.light, &inputs.receivers)
             .map_err(|error| error.to_string())?;
         Ok(visibility)
     }
@@ -156,6 +182,7 @@ impl SerialSubject {
             block: self.block,
             index: IndexKind::Hierarchy,
             jittered: inputs.light.jitter.is_some(),
+            arranged: false,
         });
         let mut masks = vec![W::EMPTY; points.len() * inputs.light.rows as usize];
         let mut fractions = vec![f32::NAN; if visibility { points.len() } else { 0 }];

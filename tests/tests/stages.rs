@@ -217,6 +217,7 @@ fn every_kernel_alone(gpu: &Gpu, generator: usize) -> Result<(), Failed> {
             block: BLOCK,
             index: IndexKind::Hierarchy,
             jittered,
+            arranged: false,
         });
         let mut lockstep = Lockstep::new(&plan, layout, &inputs, &mut device);
         plan.run(&mut lockstep).map_err(|error| format!("seed {seed}: {error}"))?;

@@ -15,12 +15,18 @@ pub const FORMAT_UINT3: c_int = 0x5003;
 pub const FORMAT_FLOAT3: c_int = 0x9003;
 /// `RTC_GEOMETRY_TYPE_TRIANGLE`
 pub const GEOMETRY_TRIANGLE: c_int = 0;
+/// `RTC_BUILD_QUALITY_LOW`: of a scene, a hierarchy a geometry, each of that geometry's quality
+pub const QUALITY_LOW: c_int = 0;
 /// `RTC_BUILD_QUALITY_MEDIUM`, the default
 pub const QUALITY_MEDIUM: c_int = 1;
 /// `RTC_BUILD_QUALITY_HIGH`
 pub const QUALITY_HIGH: c_int = 2;
+/// `RTC_BUILD_QUALITY_REFIT`, of a geometry
+pub const QUALITY_REFIT: c_int = 3;
 /// `RTC_SCENE_FLAG_NONE`
 pub const SCENE_NONE: c_int = 0;
+/// `RTC_SCENE_FLAG_DYNAMIC`
+pub const SCENE_DYNAMIC: c_int = 1;
 /// `RTC_SCENE_FLAG_ROBUST`
 pub const SCENE_ROBUST: c_int = 1 << 2;
 /// `RTC_INTERSECT_CONTEXT_FLAG_COHERENT`
@@ -70,6 +76,10 @@ unsafe extern "C" {
     pub fn rtcNewGeometry(device: Handle, kind: c_int) -> Handle;
     pub fn rtcReleaseGeometry(geometry: Handle);
     pub fn rtcCommitGeometry(geometry: Handle);
+    pub fn rtcSetGeometryBuildQuality(geometry: Handle, quality: c_int);
+    pub fn rtcGetGeometry(scene: Handle, id: c_uint) -> Handle;
+    pub fn rtcGetGeometryBufferData(geometry: Handle, buffer: c_int, slot: c_uint) -> *mut c_void;
+    pub fn rtcUpdateGeometryBuffer(geometry: Handle, buffer: c_int, slot: c_uint);
     pub fn rtcAttachGeometry(scene: Handle, geometry: Handle) -> c_uint;
     pub fn rtcSetNewGeometryBuffer(
         geometry: Handle,

@@ -35,7 +35,7 @@ pub struct Embree {
 }
 
 impl Embree {
-    /// `embree{1,8,16}[-high][-robust][-square][-avx2]`.
+    /// `embree{1,8,16}[-high][-robust][-square][-avx2][-refit]`.
     pub fn named(name: &str) -> Option<Self> {
         let mut words = name.strip_prefix("embree")?.split('-');
         let width = words.next()?.parse().ok().filter(|width| [1, 8, 16].contains(width))?;
@@ -44,6 +44,7 @@ impl Embree {
             match word {
                 "high" => embree.options.high_quality = true,
                 "robust" => embree.options.robust = true,
+                "refit" => embree.options.refit = true,
                 "avx2" => embree.options.avx2 = true,
                 "square" => embree.square = true,
                 _ => return None,
@@ -65,8 +66,12 @@ impl Embree {
 
 impl<W: RowWord> Contender<W> for Embree {
     fn run(&self, problem: &Problem<'_>, threads: usize, out: &mut [W]) -> Result<Run, ContenderError> {
-        let start = Instant::now();
+        let mut start = Instant::now();
         let scene = TriangleScene::new(problem.model, self.options, threads.max(1))?;
+        if self.options.refit {
+            start = Instant::now();
+            scene.refit(problem.model)?;
+        }
         let build = start.elapsed().as_secs_f64();
         let start = Instant::now();
         problem.for_blocks(threads, out, |origins, rows| self.masks(&scene, problem, origins, rows));

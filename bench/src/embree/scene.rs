@@ -15,6 +15,8 @@ pub struct Options {
     pub robust: bool,
     /// No instructions beyond AVX2, to compare with machines that have no more.
     pub avx2: bool,
+    /// A hierarchy that follows vertices that move.
+    pub refit: bool,
 }
 
 /// Triangles that rays can be shot at.
@@ -40,8 +42,13 @@ impl TriangleScene {
         // SAFETY: `device` is valid.
         let this = Self { device, scene: unsafe { ffi::rtcNewScene(device) } };
         this.check()?;
-        let quality = if options.high_quality { ffi::QUALITY_HIGH } else { ffi::QUALITY_MEDIUM };
+        let quality = match options {
+            Options { refit: true, .. } => ffi::QUALITY_LOW,
+            Options { high_quality: true, .. } => ffi::QUALITY_HIGH,
+            _ => ffi::QUALITY_MEDIUM,
+        };
         let flags = if options.robust { ffi::SCENE_ROBUST } else { ffi::SCENE_NONE };
+        let flags = flags | if options.refit { ffi::SCENE_DYNAMIC } else { ffi::SCENE_NONE };
         // SAFETY: `scene` is valid, and the values are those of the header.
         unsafe {
             ffi::rtcSetSceneBuildQuality(this.scene, quality);
@@ -50,7 +57,7 @@ impl TriangleScene {
         // SAFETY: `device` is valid.
         let geometry = unsafe { ffi::rtcNewGeometry(device, ffi::GEOMETRY_TRIANGLE) };
         this.check()?;
-        let vertices: Vec<[f32; 3]> = model.vertices.iter().map(|v| v.to_array()).collect();
+        let vertices = positions(model);
         let filled = this
             .fill(geometry, ffi::BUFFER_VERTEX, ffi::FORMAT_FLOAT3, &vertices)
             .and_then(|()| this.fill(geometry, ffi::BUFFER_INDEX, ffi::FORMAT_UINT3, &model.triangles));
@@ -58,6 +65,9 @@ impl TriangleScene {
         // the scene holds its own reference.
         unsafe {
             if filled.is_ok() {
+                if options.refit {
+                    ffi::rtcSetGeometryBuildQuality(geometry, ffi::QUALITY_REFIT);
+                }
                 ffi::rtcCommitGeometry(geometry);
                 ffi::rtcAttachGeometry(this.scene, geometry);
             }
@@ -67,6 +77,24 @@ impl TriangleScene {
         filled?;
         this.check()?;
         Ok(this)
+    }
+
+    /// Lets the hierarchy follow the model's vertices: of the model it was made of, or of one with as many vertices.
+    pub fn refit(&self, model: &Model) -> Result<(), EmbreeError> {
+        let vertices = positions(model);
+        // SAFETY: `scene` is valid, and its first geometry is the only one.
+        let geometry = unsafe { ffi::rtcGetGeometry(self.scene, 0) };
+        // SAFETY: the geometry has a buffer of vertices.
+        let data = unsafe { ffi::rtcGetGeometryBufferData(geometry, ffi::BUFFER_VERTEX, 0) };
+        self.check()?;
+        // SAFETY: the buffer was made for as many vertices; nobody else has it.
+        unsafe {
+            std::ptr::copy_nonoverlapping(vertices.as_ptr(), data.cast(), vertices.len());
+            ffi::rtcUpdateGeometryBuffer(geometry, ffi::BUFFER_VERTEX, 0);
+            ffi::rtcCommitGeometry(geometry);
+            ffi::rtcCommitScene(self.scene);
+        }
+        self.check()
     }
 
     /// The handle that rays are shot at.
@@ -98,6 +126,10 @@ impl TriangleScene {
             code => Err(EmbreeError { code }),
         }
     }
+}
+
+fn positions(model: &Model) -> Vec<[f32; 3]> {
+    model.vertices.iter().map(|v| v.to_array()).collect()
 }
 
 impl Drop for TriangleScene {

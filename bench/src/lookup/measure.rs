@@ -114,13 +114,7 @@ fn of_light<W: MaskWord, const N: usize>(
     let problem = Problem::new(scene, all, &chosen)?;
     let occluders = Occluders::new(&problem.lattice, &scene.model.vertices, &scene.model.triangles)
         .map_err(ContenderError::from)?;
-    let corners = (0..scene.model.triangles.len()).filter_map(|index| occluders.corners(index));
-    let offered = offered(&problem.light, corners);
-    let groups = problem.receivers.points().chunks(umbra4_core::lanes::TILE);
-    let groups: Vec<GroupPairs> = groups
-        .map(|points| GroupPairs::new(&problem.light, points, &offered))
-        .filter(|group| group.count() >= LEAST_PAIRS)
-        .collect();
+    let groups = groups_of(&problem, &occluders);
     let bench = Bench { isa: Isa::best(), problem: &problem, groups: &groups };
 
     let cells = || options.cells.iter().map(|&cells| cells as usize);
@@ -163,6 +157,29 @@ fn of_light<W: MaskWord, const N: usize>(
             }
         });
     Ok(lines.collect())
+}
+
+/// Seconds that core's rows take for a pair where nothing is certified, and edges are at hand: with the pairs that matter and
+/// no others, masks could be had no sooner. NaN where no receiver has enough of them.
+///
+/// # Errors
+/// A vertex that is refused.
+pub fn seconds_a_pair<W: MaskWord>(problem: &Problem<'_>, budget: Budget) -> Result<f64, ContenderError> {
+    let occluders = Occluders::new(&problem.lattice, &problem.model.vertices, &problem.model.triangles)?;
+    let groups = groups_of(problem, &occluders);
+    let bench = Bench { isa: Isa::best(), problem, groups: &groups };
+    let times = least(&[bench.subject::<W, _>("rows", Rows::<Fast>::NEW)], budget, &Progress::new("rows alone"))?;
+    let pairs: usize = groups.iter().map(GroupPairs::count).sum();
+    Ok(times.first().map_or(f64::NAN, |time| time.seconds / pairs as f64))
+}
+
+/// Groups of a problem's receivers that have enough pairs.
+fn groups_of(problem: &Problem<'_>, occluders: &Occluders) -> Vec<GroupPairs> {
+    let corners = (0..occluders.triangles().len()).filter_map(|index| occluders.corners(index));
+    let offered = offered(&problem.light, corners);
+    let groups = problem.receivers.points().chunks(umbra4_core::lanes::TILE);
+    let groups = groups.map(|points| GroupPairs::new(&problem.light, points, &offered));
+    groups.filter(|group| group.count() >= LEAST_PAIRS).collect()
 }
 
 /// The pairs that everything is measured on.

@@ -20,3 +20,4 @@ mod table;
 mod tests;
 
 pub use args::LookupArgs;
+pub use measure::seconds_a_pair;

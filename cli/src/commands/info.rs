@@ -10,6 +10,7 @@ use crate::error::ProgramError;
 /// The run that the plan is shown for: what the program renders without arguments.
 const EXAMPLE: SceneFacts = SceneFacts {
     jittered: false,
+    arranged: false,
     new_vertices: 0,
     triangles: 100_000,
     receivers: 512 * 512,
