@@ -4,7 +4,12 @@ use thiserror::Error;
 use umbra4_core::Counts;
 use umbra4_cpu::{ExecutorError, Index, Precision, SceneError};
 
-use crate::{bvh_rival::BvhRival, problem::Problem, row_word::RowWord, umbra::Umbra};
+use crate::{
+    bvh_rival::BvhRival,
+    problem::Problem,
+    row_word::RowWord,
+    umbra::{PointLamp, Umbra},
+};
 
 /// One run: its seconds, and what was counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +28,8 @@ pub struct Run {
 pub enum ContenderError {
     /// There is no such contender.
     #[error(
-        "no contender is called {name}; there are umbra4[-triangles|-silhouette], umbra4-fast, umbra4-arranged, obvhs[-cwbvh][-fast|-medium]; with the feature \
-         'embree' embree1, embree8 and embree16 with [-high][-robust][-square][-avx2][-refit]; with the feature 'tinybvh', on \
+        "no contender is called {name}; there are umbra4[-triangles|-silhouette], umbra4-fast, umbra4-arranged, umbra4-point (lights of one sample), obvhs[-cwbvh][-fast|-medium]; with the feature \
+         'embree' embree1, embree8 and embree16 with [-high][-robust][-square][-receivers][-avx2][-refit]; with the feature 'tinybvh', on \
          a target with AVX2, tinybvh[-high]"
     )]
     Unknown {
@@ -34,6 +39,12 @@ pub enum ContenderError {
     /// umbra4 refuses to run.
     #[error(transparent)]
     Executor(#[from] ExecutorError),
+    /// A light of several samples is no point.
+    #[error("umbra4-point takes a light of one sample, not of {samples}: --samples 1")]
+    NoPoint {
+        /// Samples of the light.
+        samples: u32,
+    },
     /// umbra4 refuses the occluders.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -86,6 +97,7 @@ pub fn by_name<W: RowWord>(name: &str) -> Result<Entry<W>, ContenderError> {
         "umbra4-silhouette" => Box::new(Umbra::new(Precision::Exact, Index::Silhouette)),
         "umbra4-fast" => Box::new(Umbra::new(Precision::Fast, Index::Auto)),
         "umbra4-arranged" => Box::new(Umbra::new(Precision::Exact, Index::Auto).arranged()),
+        "umbra4-point" => Box::new(PointLamp),
         _ if name.starts_with("obvhs") => Box::new(BvhRival::named(name).ok_or_else(unknown)?),
         #[cfg(feature = "embree")]
         _ if name.starts_with("embree") => Box::new(crate::embree::Embree::named(name).ok_or_else(unknown)?),

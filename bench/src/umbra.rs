@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use umbra4_core::Punctual;
 use umbra4_cpu::{CpuExecutor, Index, Occluders, Precision, SceneError};
 
 use crate::{
@@ -97,4 +98,34 @@ fn resolved<W: RowWord>(
     let (masks, statistics) = executor.masks::<W>(occluders, &problem.light, &problem.receivers)?;
     let run = Run { build, masks: start.elapsed().as_secs_f64(), counts: Some(statistics.counts) };
     Ok((run, masks.into_words()))
+}
+
+/// umbra4's hard shadows of the light's only sample.
+#[derive(Clone, Copy, Debug)]
+pub struct PointLamp;
+
+impl<W: RowWord> Contender<W> for PointLamp {
+    fn run(&self, problem: &Problem<'_>, threads: usize, out: &mut [W]) -> Result<Run, ContenderError> {
+        let samples = problem.light.sample_count();
+        if samples != 1 {
+            return Err(ContenderError::NoPoint { samples });
+        }
+        let executor = match threads {
+            CALLING_THREAD => CpuExecutor::new(),
+            threads => CpuExecutor::new().with_threads(threads)?,
+        };
+        let start = Instant::now();
+        let occluders = snapped(problem)?;
+        let build = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let light = Punctual::point(problem.light.sample(0, 0));
+        let (shadows, statistics) = executor.hard_shadows(&occluders, &light, &problem.receivers)?;
+        let run = Run { build, masks: start.elapsed().as_secs_f64(), counts: Some(statistics.counts) };
+        // A lamp with an area does not shine behind itself.
+        for ((receiver, word), origin) in out.iter_mut().enumerate().zip(&problem.origins) {
+            let blocked = problem.behind_light(*origin) || shadows.is_blocked(receiver) == Some(true);
+            *word = W::from_bits(u64::from(blocked));
+        }
+        Ok(run)
+    }
 }

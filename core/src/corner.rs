@@ -18,7 +18,7 @@ use crate::{
     light::LatticeLight,
     occluder::Occluder,
     precision::PrecisionMode,
-    side::Planes,
+    punctual::{self, Punctual},
     statistics::Tally,
     view::View,
 };
@@ -38,25 +38,12 @@ pub(crate) fn blocked<L: Lanes, P: PrecisionMode>(
     kept: u32,
     fallbacks: &mut Tally,
 ) -> u32 {
-    let origin = grid.light.origin;
-    let seen = occluder.from(origin);
-    let to_sample = (origin - view.base).to_array();
-    let (mut e, mut f, mut d) = ([[0; 4]; 3], [[0; 4]; 3], [[0; 4]; 3]);
-    let mut axis = 0;
-    while axis < 3 {
-        // Three planes through the sample and the edges, and the triangle's own.
-        let [a, b, c, _] = seen[axis];
-        e[axis] = [a, b, c, b - a];
-        f[axis] = [b, c, a, c - a];
-        let to = to_sample[axis];
-        d[axis] = [to, to, to, a + to];
-        axis += 1;
-    }
-    let planes = Planes::spanned::<L, P>(view, &e, &f, &d);
+    let offsets = &view.offsets;
+    let planes = punctual::planes::<L, P>(Punctual::point(grid.light.origin), offsets, occluder.corners());
     let (mut inside, mut unsure) = (kept, 0);
     let mut k = 0;
     while k < 4 {
-        let (positive, near) = planes.signs::<L, P>(view, k);
+        let (positive, near) = planes.signs::<L, P>(offsets, k);
         inside &= positive | near;
         unsure |= near;
         k += 1;

@@ -82,7 +82,7 @@ impl EdgeTrace {
         edge: &SilhouetteEdge,
         wanted: u32,
     ) -> Traced {
-        let (mut ends, lost, lost_height) = view.corners::<L, P>(&edge.relative_to(view.base));
+        let (mut ends, lost, lost_height) = view.corners::<L, P>(&edge.relative_to(view.offsets.base));
         self.left = [0; 2];
         let mut traced = Traced { crossed: 0, lost: 0 };
         let Some(cut) = cut_behind::<L>(view, &mut ends, lost_height) else {

@@ -13,6 +13,7 @@ use crate::lanes::Lanes;
 use crate::{
     exact,
     light::{LatticeLight, MAX_SAMPLES},
+    snap::LIMIT,
 };
 #[cfg(not(target_arch = "spirv"))]
 use glam::DVec3;
@@ -94,6 +95,23 @@ impl LightFrame {
             last_column: light.last_column(),
             last_row: light.last_row(),
             scale: [light.step_u.as_dvec3().length() as f32, light.step_v.as_dvec3().length() as f32],
+        }
+    }
+
+    /// The frame of a light that is infinitely far away, `towards` it: across in units of 2^29 lattice units, and the height in
+    /// lattice units from a point that all of the lattice lies below, away from the light.
+    #[cfg(not(target_arch = "spirv"))]
+    pub(crate) fn parallel(towards: IVec3) -> Self {
+        let up = towards.as_dvec3().normalize_or(DVec3::Y);
+        let (u, v) = up.any_orthonormal_pair();
+        Self {
+            origin: (up * f64::from(2 * LIMIT)).as_ivec3(),
+            along_u: (u / f64::from(LIMIT)).as_vec3(),
+            along_v: (v / f64::from(LIMIT)).as_vec3(),
+            normal: (-up).as_vec3(),
+            last_column: 0.0,
+            last_row: 0.0,
+            scale: [1.0; 2],
         }
     }
 

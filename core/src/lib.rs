@@ -29,6 +29,7 @@ pub mod outline;
 pub mod params;
 pub mod precision;
 pub mod proj4;
+pub mod punctual;
 pub mod ratio;
 pub mod real;
 pub mod row_mask;
@@ -65,6 +66,10 @@ pub mod lattice;
 #[cfg(not(target_arch = "spirv"))]
 pub mod plan;
 #[cfg(not(target_arch = "spirv"))]
+pub mod punctual_frame;
+#[cfg(not(target_arch = "spirv"))]
+pub mod punctual_light;
+#[cfg(not(target_arch = "spirv"))]
 pub mod serial;
 #[cfg(not(target_arch = "spirv"))]
 pub mod silhouette;
@@ -76,6 +81,7 @@ pub use lanes::Lanes;
 pub use light::LatticeLight;
 pub use mask_word::{MaskWord, PairWord};
 pub use precision::{Exact, Fast, Precision, PrecisionMode};
+pub use punctual::Punctual;
 pub use statistics::Counts;
 pub use surface::Lift;
 
@@ -87,3 +93,5 @@ pub use executor::Executor;
 pub use lattice::{Bounds, Lattice, LatticeError, SnapError};
 #[cfg(not(target_arch = "spirv"))]
 pub use plan::{IndexKind, Pass, Plan, SceneFacts};
+#[cfg(not(target_arch = "spirv"))]
+pub use punctual_light::{DirectionalLight, PointLight, PunctualLightError};

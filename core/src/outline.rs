@@ -211,7 +211,7 @@ impl<const E: usize> Outlines<E> {
         mixed: bool,
         wanted: u32,
     ) -> Seen {
-        let (corners, lost, lost_height) = view.corners::<L, P>(&occluder.from(view.base));
+        let (corners, lost, lost_height) = view.corners::<L, P>(&occluder.from(view.offsets.base));
         let mut own = OwnSide::NONE;
         if mixed {
             own = OwnSide::of::<L, P, S>(grid, occluder);

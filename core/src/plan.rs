@@ -38,6 +38,8 @@ pub struct SceneFacts {
     pub jittered: bool,
     /// Whether the triangles come in an order that suits every light.
     pub arranged: bool,
+    /// Whether the light is one without extent ([`crate::punctual`]): masks have one bit.
+    pub punctual: bool,
 }
 
 /// One dispatch of one stage.
@@ -62,8 +64,8 @@ impl Plan {
     /// Decides what runs.
     pub fn new(facts: SceneFacts) -> Self {
         let levels = match facts.index {
-            IndexKind::Grid => Levels::default(),
-            IndexKind::Hierarchy | IndexKind::Silhouette => Levels::of(facts.triangles),
+            IndexKind::Grid if !facts.punctual => Levels::default(),
+            _ => Levels::of(facts.triangles),
         };
         Self { facts, levels }
     }
@@ -87,18 +89,19 @@ impl Plan {
         if facts.receivers == 0 {
             return Ok(());
         }
+        let index = self.index();
         let mut once = |stage, count, first| {
             if count > 0 { executor.dispatch(&Pass { stage, count, first }) } else { Ok(()) }
         };
         once(Stage::SnapVertices, facts.new_vertices, 0)?;
         once(Stage::KeyTriangles, facts.triangles, 0)?;
-        if facts.index != IndexKind::Grid && !facts.arranged {
+        if index != IndexKind::Grid && !facts.arranged {
             once(Stage::OrderTriangles, facts.triangles, 0)?;
         }
         for level in 1..self.levels.count() {
             once(Stage::BuildLevel, self.levels.range(level).len() as u32, level as u32)?;
         }
-        if facts.index == IndexKind::Silhouette {
+        if index == IndexKind::Silhouette {
             once(Stage::FindSilhouette, facts.triangles, 0)?;
         }
         let mut first = 0;
@@ -106,10 +109,11 @@ impl Plan {
             let count = facts.block.max(1).min(facts.receivers - first);
             once(Stage::SnapReceivers, if facts.world_receivers { count } else { 0 }, first)?;
             once(Stage::KeyReceivers, count, first)?;
-            match facts.index {
+            match index {
                 IndexKind::Hierarchy | IndexKind::Silhouette => {
                     once(Stage::OrderReceivers, count, first)?;
-                    once(Stage::Resolve, count.div_ceil(crate::lanes::TILE as u32), first)?;
+                    let resolve = if facts.punctual { Stage::ResolvePunctual } else { Stage::Resolve };
+                    once(resolve, count.div_ceil(crate::lanes::TILE as u32), first)?;
                 }
                 IndexKind::Grid => {
                     once(Stage::DefineFrame, count, first)?;
@@ -118,23 +122,32 @@ impl Plan {
                     once(Stage::ResolveCells, count, first)?;
                 }
             }
-            once(Stage::Reduce, if facts.visibility { count } else { 0 }, first)?;
+            once(Stage::Reduce, if facts.visibility && !facts.punctual { count } else { 0 }, first)?;
             first += count;
         }
         Ok(())
+    }
+
+    /// How triangles and receivers are paired: before a light without extent, always by the hierarchy.
+    fn index(&self) -> IndexKind {
+        if self.facts.punctual { IndexKind::Hierarchy } else { self.facts.index }
     }
 
     /// Why a stage runs or does not, in a few words.
     pub fn reason(&self, stage: Stage) -> (bool, &'static str) {
         let facts = &self.facts;
         let (work, triangles) = (facts.receivers > 0, facts.triangles > 0);
-        let grid = facts.index == IndexKind::Grid;
+        let grid = self.index() == IndexKind::Grid;
         match stage {
             _ if !work => (false, "no receivers"),
             Stage::SnapVertices if facts.new_vertices == 0 => (false, "the scene is on the lattice already"),
             Stage::SnapVertices => (true, "new vertices"),
             Stage::SnapReceivers if !facts.world_receivers => (false, "the receivers are on the lattice already"),
             Stage::SnapReceivers => (true, "receivers in world space"),
+            Stage::Resolve | Stage::FindSilhouette | Stage::Reduce if facts.punctual => {
+                (false, "the light has no extent: a mask is one bit")
+            }
+            Stage::ResolvePunctual if !facts.punctual => (false, "the light has an area"),
             Stage::OrderTriangles
             | Stage::BuildLevel
             | Stage::FindSilhouette
@@ -159,9 +172,11 @@ impl Plan {
             Stage::BuildLevel if self.levels.count() < 2 => (false, "one node holds all triangles"),
             Stage::BuildLevel => (true, "more triangles than a node holds"),
             Stage::DefineFrame | Stage::BinReceivers => (true, "receivers to index"),
-            Stage::KeyReceivers | Stage::OrderReceivers | Stage::Resolve | Stage::ResolveCells => {
-                (true, "receivers to shadow")
-            }
+            Stage::KeyReceivers
+            | Stage::OrderReceivers
+            | Stage::Resolve
+            | Stage::ResolvePunctual
+            | Stage::ResolveCells => (true, "receivers to shadow"),
             Stage::Reduce if !facts.visibility => (false, "masks only"),
             Stage::Reduce => (true, "visibility is asked for"),
         }

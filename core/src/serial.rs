@@ -253,6 +253,7 @@ impl<W: MaskWord, P: PrecisionMode> Executor for Serial<'_, W, P> {
             }
             Stage::Resolve => (self.resolve(pass), "masks or receiver_order"),
             Stage::FindSilhouette
+            | Stage::ResolvePunctual
             | Stage::DefineFrame
             | Stage::BinReceivers
             | Stage::BinTriangles

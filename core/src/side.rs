@@ -20,7 +20,7 @@ use crate::{
     precision::PrecisionMode,
     real::Real,
     statistics::Tally,
-    view::View,
+    view::{Offsets, View},
 };
 
 /// Lanes on either side of a triangle's plane; those in it are in neither.
@@ -50,8 +50,9 @@ impl Sides {
         fallbacks: &mut Tally,
     ) -> Self {
         let [a, b, c] = occluder.corners();
-        let planes = Planes::spanned::<L, P>(view, &single(b - a), &single(c - a), &single(a - view.base));
-        let (positive, unsure) = planes.signs::<L, P>(view, 0);
+        let offsets = &view.offsets;
+        let planes = Planes::spanned::<L, P>(offsets, &single(b - a), &single(c - a), &single(a - offsets.base));
+        let (positive, unsure) = planes.signs::<L, P>(offsets, 0);
         let unsure = unsure & wanted;
         let mut sides = Self { positive: positive & wanted & !unsure, negative: wanted & !positive & !unsure };
         if P::CERTIFIED && unsure != 0 {
@@ -78,7 +79,7 @@ impl<const N: usize> Planes<N> {
     /// The planes along `e` and `f` that pass `d` from the base.
     #[inline(always)]
     pub(crate) fn spanned<L: Lanes, P: PrecisionMode>(
-        view: &View<L::Long>,
+        offsets: &Offsets,
         e: &[[i32; N]; 3],
         f: &[[i32; N]; 3],
         d: &[[i32; N]; 3],
@@ -92,14 +93,14 @@ impl<const N: usize> Planes<N> {
             let normal = Vec3::new(normal[0].to_f32(), normal[1].to_f32(), normal[2].to_f32());
             (normals[0][k], normals[1][k], normals[2][k]) = (normal.x, normal.y, normal.z);
             if P::CERTIFIED {
-                let (e, f, d) = (float(e), float(f), float(d).abs() + view.offset_limit);
+                let (e, f, d) = (float(e), float(f), float(d).abs() + offsets.limit);
                 let lost = if L::Long::DOT_ERRORS > 0.0 {
                     cross_magnitudes(e, f).dot(d)
                 } else {
                     // Six products of the largest: of little consequence in a long float.
                     6.0 * e.abs().max_element() * f.abs().max_element() * d.max_element()
                 };
-                let near = 7.0 * normal.abs().dot(view.offset_limit) + 3.0 * Lanes::abs(at_base[k]);
+                let near = 7.0 * normal.abs().dot(offsets.limit) + 3.0 * Lanes::abs(at_base[k]);
                 doubt[k] = L::Long::SIDE_ERROR * lost + near * L::ROUNDOFF;
             }
             k += 1;
@@ -109,15 +110,15 @@ impl<const N: usize> Planes<N> {
 
     /// Lanes in which the value of plane `k < N` is surely positive, and those in which its sign is not known.
     #[inline(always)]
-    pub(crate) fn signs<L: Lanes, P: PrecisionMode>(&self, view: &View<L::Long>, k: usize) -> (u32, u32) {
+    pub(crate) fn signs<L: Lanes, P: PrecisionMode>(&self, offsets: &Offsets, k: usize) -> (u32, u32) {
         let normal = [-self.normals[0][k], -self.normals[1][k], -self.normals[2][k]];
         let (at_base, doubt) = (L::splat(self.at_base[k]), self.doubt[k]);
         let (mut positive, mut unsure) = (0, 0);
         let mut first = 0;
         while first < TILE {
-            let side = L::load(&view.offset[0], first).mul_add(L::splat(normal[0]), at_base);
-            let side = L::load(&view.offset[1], first).mul_add(L::splat(normal[1]), side);
-            let side = L::load(&view.offset[2], first).mul_add(L::splat(normal[2]), side);
+            let side = L::load(&offsets.at[0], first).mul_add(L::splat(normal[0]), at_base);
+            let side = L::load(&offsets.at[1], first).mul_add(L::splat(normal[1]), side);
+            let side = L::load(&offsets.at[2], first).mul_add(L::splat(normal[2]), side);
             positive |= L::bits(side.ge(L::splat(Lanes::max(doubt, f32::MIN_POSITIVE)))) << first;
             if P::CERTIFIED {
                 let doubt = L::splat(doubt);

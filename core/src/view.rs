@@ -21,11 +21,8 @@ pub(crate) const SPARE: f32 = 1.125;
 pub struct View<R> {
     /// Sheared axes: columns, rows, and minus the height.
     axes: [Axis<R>; 3],
-    /// The receiver that all points are placed from.
-    pub(crate) base: IVec3,
-    /// Receivers from the base, lattice units, and their limits.
-    pub(crate) offset: [[f32; TILE]; 3],
-    pub(crate) offset_limit: Vec3,
+    /// Where receivers lie; all points are placed from the base.
+    pub(crate) offsets: Offsets,
     /// Receivers' columns, rows and heights.
     pub(crate) at: [[f32; TILE]; 3],
     /// Receivers along the axes, from the base.
@@ -35,6 +32,33 @@ pub struct View<R> {
     pub(crate) last_column: f32,
     pub(crate) last_row: f32,
     pub(crate) bound: ViewBound,
+}
+
+/// Where the receivers of a group lie: from one of them, the base, as differences that floats hold well.
+#[derive(Clone, Copy, Debug)]
+pub struct Offsets {
+    pub(crate) base: IVec3,
+    /// From the base, lattice units, and their limits.
+    pub(crate) at: [[f32; TILE]; 3],
+    pub(crate) limit: Vec3,
+}
+
+impl Offsets {
+    /// Of the receivers of `active` lanes (not none). Other lanes repeat the base, and so widen no bound.
+    #[inline(always)]
+    pub fn new(receivers: &ReceiverTile, active: u32) -> Self {
+        let base = receivers.point(active.trailing_zeros() as usize);
+        let mut offsets = Self { base, at: [[0.0; TILE]; 3], limit: receivers.farthest(base, base) };
+        let mut lane = 0;
+        while lane < TILE {
+            if active >> lane & 1 == 1 {
+                let offset = float(receivers.point(lane) - base);
+                (offsets.at[0][lane], offsets.at[1][lane], offsets.at[2][lane]) = (offset.x, offset.y, offset.z);
+            }
+            lane += 1;
+        }
+        offsets
+    }
 }
 
 /// What the receivers contribute to δ, in units of ε.
@@ -62,7 +86,8 @@ impl<R: Real> View<R> {
     #[inline(always)]
     pub fn new<L: Lanes, P: PrecisionMode>(grid: &LightGrid, receivers: &ReceiverTile, active: u32) -> Self {
         let [u, v, down] = R::axes(grid);
-        let base = receivers.point(active.trailing_zeros() as usize);
+        let offsets = Offsets::new(receivers, active);
+        let base = offsets.base;
         let middle = base - grid.light.origin;
         let frame = &grid.frame;
         let depth = R::from_f32(Lanes::min(R::dot(&down, middle).to_f32(), -1.0));
@@ -70,9 +95,7 @@ impl<R: Real> View<R> {
         let shear_v = R::dot(&v, middle).minus(R::from_f32(0.5), R::from_f32(frame.last_row)).over(depth);
         let mut view = Self {
             axes: [sheared(&u, shear_u, &down), sheared(&v, shear_v, &down), down],
-            base,
-            offset: [[0.0; TILE]; 3],
-            offset_limit: receivers.farthest(base, base),
+            offsets,
             at: [[0.0; TILE]; 3],
             beside: [[0.0; TILE]; 3],
             usable: active,
@@ -87,11 +110,9 @@ impl<R: Real> View<R> {
             view.at[0][lane] = R::dot(&view.axes[0], p - grid.light.origin).to_f32();
             view.at[1][lane] = R::dot(&view.axes[1], p - grid.light.origin).to_f32();
             view.at[2][lane] = R::dot(&view.axes[2], grid.light.origin - p).to_f32();
-            let offset = float(p - base).to_array();
             let mut k = 0;
             while k < 3 {
                 view.beside[k][lane] = R::dot(&view.axes[k], p - base).to_f32();
-                view.offset[k][lane] = offset[k];
                 k += 1;
             }
             lane += 1;

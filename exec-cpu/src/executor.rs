@@ -5,14 +5,16 @@ use std::sync::Arc;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use thiserror::Error;
 use umbra4_core::{
-    IndexKind, LatticeLight, MaskWord, Plan, Precision, SceneFacts,
+    IndexKind, LatticeLight, MaskWord, Plan, Precision, Punctual, SceneFacts,
     jitter::{Pattern, Regular},
     light::MAX_SAMPLES,
     stage::reduce,
 };
 
 use crate::{
-    CpuWord, Index, Isa, Masks, Occluders, Receivers, Statistics,
+    CpuWord, HardShadows, Index, Isa, Masks, Occluders, Receivers, Statistics,
+    hard_shadows::ShadowBits,
+    punctual::{Faces, Input, PunctualRun},
     run::{How, Run},
     scatter::Scatter,
 };
@@ -151,6 +153,7 @@ impl CpuExecutor {
         Plan::new(SceneFacts {
             jittered: light.jitter.is_some(),
             arranged: occluders.arrangement().is_some(),
+            punctual: false,
             new_vertices: 0,
             triangles: occluders.triangles().len() as u32,
             receivers: receivers.len() as u32,
@@ -252,6 +255,66 @@ impl CpuExecutor {
         self.run::<W>(occluders, light, receivers, false, |answer| visit(answer.receiver, answer.rows))
     }
 
+    /// The shadow of a light without extent: which receivers it does not reach.
+    ///
+    /// ```
+    /// use umbra4_cpu::{CpuExecutor, Occluders, Receivers};
+    /// use umbra4_core::{DirectionalLight, PointLight, glam::{DVec3, Vec3}, Bounds, Lattice};
+    ///
+    /// let lattice = Lattice::covering(Bounds { min: DVec3::splat(-4.0), max: DVec3::splat(4.0) })?;
+    /// let vertices = [Vec3::new(-1.0, 1.0, -1.0), Vec3::new(1.0, 1.0, -1.0), Vec3::new(0.0, 1.0, 1.0)];
+    /// let occluders = Occluders::new(&lattice, &vertices, &[[0, 1, 2]])?;
+    /// let receivers = Receivers::raw(&lattice, &[Vec3::ZERO, Vec3::new(3.0, 0.0, 0.0)])?;
+    ///
+    /// let executor = CpuExecutor::new();
+    /// let lamp = PointLight { position: DVec3::new(0.0, 3.0, 0.0) }.snap(&lattice)?;
+    /// let (shadows, _) = executor.hard_shadows(&occluders, &lamp, &receivers)?;
+    /// assert_eq!((shadows.is_blocked(0), shadows.is_blocked(1)), (Some(true), Some(false)));
+    /// let sun = DirectionalLight { towards: DVec3::new(-3.0, 1.0, 0.0) }.snap()?;
+    /// let (shadows, _) = executor.hard_shadows(&occluders, &sun, &receivers)?;
+    /// assert_eq!((shadows.is_blocked(0), shadows.is_blocked(1)), (Some(false), Some(true)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// None but those of the thread pool.
+    pub fn hard_shadows(
+        &self,
+        occluders: &Occluders,
+        light: &Punctual,
+        receivers: &Receivers,
+    ) -> Result<(HardShadows, Statistics), ExecutorError> {
+        let (shadows, mut statistics) = (ShadowBits::new(receivers.len()), Statistics::default());
+        let mut work = || {
+            let faces = Faces::new(light, occluders, receivers.points());
+            (0..light.faces()).try_for_each(|face| {
+                let in_face = faces.receivers(face);
+                if in_face.is_empty() {
+                    return Ok(());
+                }
+                let triangles = faces.triangles(face);
+                let plan = punctual_plan(triangles.len(), in_face.len());
+                let input = Input {
+                    plan: &plan,
+                    isa: self.isa,
+                    precision: self.precision,
+                    light: *light,
+                    face,
+                    scene: occluders,
+                    points: receivers.points(),
+                    triangles: &triangles,
+                    receivers: &in_face,
+                };
+                plan.run(&mut PunctualRun::new(input, &shadows, &mut statistics))
+            })
+        };
+        match &self.pool {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }?;
+        Ok((shadows.finish(), statistics))
+    }
+
     fn per_receiver<T: Copy + Default + Send>(
         &self,
         occluders: &Occluders,
@@ -316,6 +379,22 @@ impl CpuExecutor {
             None => work(),
         }
     }
+}
+
+/// What runs for a light without extent, in one of its frames.
+fn punctual_plan(triangles: usize, receivers: usize) -> Plan {
+    Plan::new(SceneFacts {
+        new_vertices: 0,
+        triangles: triangles as u32,
+        receivers: receivers as u32,
+        world_receivers: false,
+        visibility: false,
+        block: BLOCK,
+        index: IndexKind::Hierarchy,
+        jittered: false,
+        arranged: false,
+        punctual: true,
+    })
 }
 
 /// One receiver's result.

@@ -4,11 +4,13 @@
 mod arrangement;
 mod executor;
 mod grid;
+mod hard_shadows;
 mod hierarchy;
 mod masks;
 mod neighbours;
 mod open_sides;
 mod order;
+mod punctual;
 mod run;
 mod scatter;
 mod scene;
@@ -20,6 +22,7 @@ mod word;
 
 pub use executor::{CpuExecutor, ExecutorError};
 pub use grid::{Binning, GridOptions, Index};
+pub use hard_shadows::HardShadows;
 pub use masks::Masks;
 pub use scene::{Occluders, Receivers, SceneError};
 pub use simd::Isa;

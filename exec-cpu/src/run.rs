@@ -237,7 +237,8 @@ impl<W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W
         let (first, count) = (pass.first as usize, pass.count as usize);
         match pass.stage {
             // The scene and the receivers are snapped when they are made, and the visitor reduces.
-            Stage::SnapVertices | Stage::SnapReceivers | Stage::Reduce => return Ok(()),
+            // Lights without extent have runs of their own.
+            Stage::SnapVertices | Stage::SnapReceivers | Stage::Reduce | Stage::ResolvePunctual => return Ok(()),
             Stage::KeyTriangles => self.key_triangles(),
             Stage::OrderTriangles => self.order_triangles(),
             Stage::BuildLevel => self.build_level(first),

@@ -151,13 +151,19 @@ impl KeyedTriangles {
 }
 
 /// Where sixteen triangles are packed.
-struct Leaf<'a> {
+pub(crate) struct Leaf<'a> {
     occluders: &'a mut [Occluder],
     keys: &'a mut KeyTile,
     corner: Option<(&'a LightFrame, &'a mut KeyTile)>,
 }
 
 impl Leaf<'_> {
+    /// One triangle; `lane` is one of the leaf's.
+    pub(crate) fn put(&mut self, lane: usize, keys: &Keys, occluder: Occluder) {
+        self.occluders[lane] = occluder;
+        self.keys.set(lane, keys);
+    }
+
     /// With triangles, their keys for the light, and their sides of it.
     fn fill(self, mesh: &KeyedMesh<'_>, tile: &TriangleTile, keys: KeyTile, facings: &[Facing; NODE]) {
         for (lane, (occluder, facing)) in self.occluders.iter_mut().zip(facings).enumerate() {
@@ -178,7 +184,7 @@ impl Leaf<'_> {
 
 impl PackedTriangles {
     /// Of `count` triangles: `fill` is called with each of `leaves` and its room.
-    fn of<T: Send>(
+    pub(crate) fn of<T: Send>(
         count: usize,
         levels: &Levels,
         corner: Option<&LightFrame>,

@@ -49,6 +49,17 @@ pub fn hit(p: IVec3, sample: IVec3, triangle: [IVec3; 3]) -> bool {
     side != 0 && alpha >= 0 && beta >= 0 && gamma >= 0 && alpha + beta + gamma > volume.abs()
 }
 
+/// Whether the triangle blocks what is infinitely far away `towards` some direction from `p`: the same with the direction in
+/// the place of L − p, of which no multiple is beyond the light. So α + β + γ > 0 is all that is left of the last condition, and
+/// follows from the others.
+pub fn hit_towards(p: IVec3, towards: IVec3, triangle: [IVec3; 3]) -> bool {
+    let [a, b, c] = triangle.map(|corner| difference(corner, p));
+    let l = vector(towards);
+    let side = det(&a, &b, &c).signum();
+    let (alpha, beta, gamma) = (side * det(&l, &b, &c), side * det(&a, &l, &c), side * det(&a, &b, &l));
+    side != 0 && alpha >= 0 && beta >= 0 && gamma >= 0 && alpha + beta + gamma > 0
+}
+
 /// A light sample. Not [`LatticeLight::sample`], but where jitter, which is input, has it: this file stands on its own.
 fn sample(light: &LatticeLight, row: u32, column: u32) -> IVec3 {
     if light.jitter.is_some() {

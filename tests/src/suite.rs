@@ -183,6 +183,7 @@ impl SerialSubject {
             index: IndexKind::Hierarchy,
             jittered: inputs.light.jitter.is_some(),
             arranged: false,
+            punctual: false,
         });
         let mut masks = vec![W::EMPTY; points.len() * inputs.light.rows as usize];
         let mut fractions = vec![f32::NAN; if visibility { points.len() } else { 0 }];

@@ -14,7 +14,7 @@ use crate::{
     problem::Problem,
     row_word::RowWord,
 };
-use packets::trace;
+use packets::{trace, trace_receivers};
 use scene::{Options, TriangleScene};
 
 /// Embree reports an error.
@@ -31,21 +31,24 @@ pub struct Embree {
     width: usize,
     /// Packets of 4×2 or 4×4 samples instead of 8 or 16 in a row.
     square: bool,
+    /// Packets of neighbouring receivers instead of neighbouring samples.
+    receivers: bool,
     options: Options,
 }
 
 impl Embree {
-    /// `embree{1,8,16}[-high][-robust][-square][-avx2][-refit]`.
+    /// `embree{1,8,16}[-high][-robust][-square][-avx2][-refit]`, or `embree{8,16}-receivers…`: packets of receivers, for lights of few samples.
     pub fn named(name: &str) -> Option<Self> {
         let mut words = name.strip_prefix("embree")?.split('-');
         let width = words.next()?.parse().ok().filter(|width| [1, 8, 16].contains(width))?;
-        let mut embree = Self { width, square: false, options: Options::default() };
+        let mut embree = Self { width, square: false, receivers: false, options: Options::default() };
         for word in words {
             match word {
                 "high" => embree.options.high_quality = true,
                 "robust" => embree.options.robust = true,
                 "refit" => embree.options.refit = true,
                 "avx2" => embree.options.avx2 = true,
+                "receivers" => embree.receivers = true,
                 "square" => embree.square = true,
                 _ => return None,
             }
@@ -55,6 +58,8 @@ impl Embree {
 
     fn masks<W: RowWord>(&self, scene: &TriangleScene, problem: &Problem<'_>, origins: &[Vec3], out: &mut [W]) {
         match (self.width, self.square) {
+            (8, _) if self.receivers => trace_receivers::<8, W>(scene, problem, origins, out),
+            (16, _) if self.receivers => trace_receivers::<16, W>(scene, problem, origins, out),
             (1, _) => trace::<1, W>(scene, problem, 1, origins, out),
             (8, false) => trace::<8, W>(scene, problem, 8, origins, out),
             (8, true) => trace::<8, W>(scene, problem, 4, origins, out),

@@ -1,4 +1,5 @@
-//! Masks by packets of shadow rays: N neighbouring light samples, seen from one receiver.
+//! Masks by packets of shadow rays: N neighbouring light samples, seen from one receiver; or one sample, seen from N
+//! neighbouring receivers.
 
 use umbra4_core::glam::Vec3;
 
@@ -126,6 +127,49 @@ pub fn trace<const N: usize, W: RowWord>(
             for (row, word) in rows[packet.row..].iter_mut().take(N / width).enumerate() {
                 let bits = (bits >> (row * width)) & row_bits;
                 *word = word.or(W::from_bits(bits << packet.column));
+            }
+        }
+    }
+}
+
+/// The masks of `origins`, by packets of rays from N receivers that follow one another: for lights of few samples.
+pub fn trace_receivers<const N: usize, W: RowWord>(
+    scene: &TriangleScene,
+    problem: &Problem<'_>,
+    origins: &[Vec3],
+    out: &mut [W],
+) where
+    Widths: Width<N>,
+{
+    let (rows, columns) = (problem.rows(), problem.light.columns as usize);
+    let mut context =
+        IntersectContext { flags: ffi::CONTEXT_COHERENT, filter: None, instances: [ffi::INVALID_GEOMETRY] };
+    for (origins, masks) in origins.chunks(N).zip(out.chunks_mut(N * rows)) {
+        masks.fill(W::EMPTY);
+        let origin = |k: usize| origins[k.min(origins.len() - 1)];
+        let behind: [bool; N] = std::array::from_fn(|k| problem.behind_light(origin(k)));
+        let valid = Valid(std::array::from_fn(|k| if k < origins.len() && !behind[k] { -1 } else { 0 }));
+        for (sample, &end) in problem.samples.iter().enumerate() {
+            let direction = |k: usize| end - origin(k);
+            let mut rays = Rays::<N> {
+                org_x: std::array::from_fn(|k| origin(k).x),
+                org_y: std::array::from_fn(|k| origin(k).y),
+                org_z: std::array::from_fn(|k| origin(k).z),
+                tnear: [0.0; N],
+                dir_x: std::array::from_fn(|k| direction(k).x),
+                dir_y: std::array::from_fn(|k| direction(k).y),
+                dir_z: std::array::from_fn(|k| direction(k).z),
+                time: [0.0; N],
+                tfar: [1.0; N],
+                mask: [u32::MAX; N],
+                id: [0; N],
+                flags: [0; N],
+            };
+            Widths::occluded(scene, &valid, &mut context, &mut rays);
+            for (k, mask) in masks.chunks_exact_mut(rows).enumerate() {
+                let bit = u64::from(behind[k] || rays.tfar[k] < 0.0);
+                let row = &mut mask[sample / columns];
+                *row = row.or(W::from_bits(bit << (sample % columns)));
             }
         }
     }

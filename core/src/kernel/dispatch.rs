@@ -145,6 +145,7 @@ pub fn dispatches<E>(
         Stage::SnapVertices
         | Stage::SnapReceivers
         | Stage::FindSilhouette
+        | Stage::ResolvePunctual
         | Stage::DefineFrame
         | Stage::BinReceivers
         | Stage::BinTriangles

@@ -10,6 +10,7 @@ pub mod reduce;
 pub mod resolve;
 #[cfg(not(target_arch = "spirv"))]
 pub mod resolve_cells;
+pub mod resolve_punctual;
 #[cfg(not(target_arch = "spirv"))]
 pub mod resolve_silhouette;
 pub mod snap_receivers;
@@ -38,6 +39,8 @@ pub enum Stage {
     OrderReceivers,
     /// Masks of a group of receivers.
     Resolve,
+    /// Which receivers of a group a light without extent does not reach.
+    ResolvePunctual,
     /// Plane and extent of the frame buffer of [`crate::grid`].
     DefineFrame,
     /// Receivers into the cells of the frame buffer.
@@ -114,7 +117,7 @@ pub struct StageInfo {
 use Binding as B;
 
 /// All stages, in the order in which data flows.
-pub const TABLE: [StageInfo; 14] = [
+pub const TABLE: [StageInfo; 15] = [
     StageInfo {
         stage: Stage::SnapVertices,
         name: "snap_vertices",
@@ -184,6 +187,14 @@ pub const TABLE: [StageInfo; 14] = [
         name: "resolve",
         id: "group of sixteen receivers",
         reads: &[B::Receivers, B::Groups, B::Occluders, B::Nodes, B::Silhouette],
+        writes: &[B::Masks],
+        workgroup: 16,
+    },
+    StageInfo {
+        stage: Stage::ResolvePunctual,
+        name: "resolve_punctual",
+        id: "group of sixteen receivers",
+        reads: &[B::Receivers, B::Groups, B::Occluders, B::Nodes],
         writes: &[B::Masks],
         workgroup: 16,
     },

@@ -3,12 +3,13 @@
 use std::fmt;
 
 use umbra4_core::{
-    MaskWord, PrecisionMode,
+    Exact, Fast, MaskWord, Precision, PrecisionMode,
     jitter::{Pattern, Regular, Samples},
     lanes::{Lanes, Sixteen},
     stage::{
         resolve::{Group, Occlusion, resolve},
         resolve_cells::{CellScene, resolve_cell},
+        resolve_punctual::{PunctualGroup, PunctualScene, resolve_punctual},
         resolve_silhouette::{SilhouetteRoom, SilhouetteScene, resolve_silhouette},
     },
 };
@@ -156,6 +157,30 @@ impl Isa {
             Self::Portable => resolve_cell::<Sixteen, W, P>(scene, list, group),
         }
     }
+
+    /// Finds the receivers of a group that a light without extent does not reach. `self` comes from [`Isa::available`].
+    #[inline]
+    pub(crate) fn resolve_punctual(self, precision: Precision, scene: &PunctualScene<'_>, group: &mut PunctualGroup) {
+        match precision {
+            Precision::Exact => self.resolve_punctual_in::<Exact>(scene, group),
+            Precision::Fast => self.resolve_punctual_in::<Fast>(scene, group),
+        }
+    }
+
+    #[inline]
+    fn resolve_punctual_in<P: PrecisionMode>(self, scene: &PunctualScene<'_>, group: &mut PunctualGroup) {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: an executor only holds an instruction set that `available` has detected.
+            Self::Avx512 => unsafe { resolve_punctual_avx512::<P>(scene, group) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            Self::Avx2 => unsafe { resolve_punctual_avx2::<P>(scene, group) },
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => resolve_punctual::<neon::Neon, P>(scene, group),
+            Self::Portable => resolve_punctual::<Sixteen, P>(scene, group),
+        }
+    }
 }
 
 impl fmt::Display for Isa {
@@ -216,4 +241,16 @@ fn resolve_cell_avx512<W: MaskWord, P: PrecisionMode>(scene: &CellScene<'_>, lis
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn resolve_cell_avx2<W: MaskWord, P: PrecisionMode>(scene: &CellScene<'_>, list: &[u32], group: &mut Group<W>) {
     resolve_cell::<avx2::Avx2, W, P>(scene, list, group);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn resolve_punctual_avx512<P: PrecisionMode>(scene: &PunctualScene<'_>, group: &mut PunctualGroup) {
+    resolve_punctual::<avx512::Avx512, P>(scene, group);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn resolve_punctual_avx2<P: PrecisionMode>(scene: &PunctualScene<'_>, group: &mut PunctualGroup) {
+    resolve_punctual::<avx2::Avx2, P>(scene, group);
 }

@@ -1,0 +1,215 @@
+//! One run for a light without extent: the stages as rayon jobs, in one of its frames after the other.
+
+use std::{
+    sync::{Mutex, PoisonError},
+    time::Instant,
+};
+
+use rayon::prelude::*;
+use umbra4_core::{
+    Counts, Executor, Pass, Plan, Precision, Punctual,
+    glam::IVec3,
+    lanes::TILE,
+    order::{Entry, code},
+    proj4::{Keys, NODE},
+    punctual_frame::PunctualFrame,
+    stage::{
+        Stage,
+        resolve_punctual::{PunctualGroup, PunctualScene},
+    },
+};
+
+use crate::{
+    ExecutorError, Isa, Occluders, Statistics,
+    hard_shadows::ShadowBits,
+    hierarchy::build_level_of,
+    order::{fitted, ordered, sort},
+    triangles::PackedTriangles,
+};
+
+/// Groups a job.
+const GROUPS_A_JOB: usize = 32;
+/// Triangles, or receivers, that are worth a job.
+const PART: usize = 1 << 12;
+
+/// What the triangles and receivers of a run are to the light's faces.
+pub(crate) struct Faces {
+    /// Bit f: the triangle may be seen through face f.
+    triangles: Vec<u8>,
+    /// Face of every receiver; none where the light itself is.
+    receivers: Vec<Option<u8>>,
+}
+
+impl Faces {
+    pub(crate) fn new(light: &Punctual, scene: &Occluders, receivers: &[IVec3]) -> Self {
+        let corners = (0..scene.triangles().len()).into_par_iter().with_min_len(PART);
+        Self {
+            triangles: corners.map(|id| corners_of(scene, id).map_or(0, |c| light.faces_of(&c) as u8)).collect(),
+            receivers: receivers.par_iter().with_min_len(PART).map(|p| light.face_of(*p).map(|f| f as u8)).collect(),
+        }
+    }
+
+    /// The receivers of a face.
+    pub(crate) fn receivers(&self, face: u32) -> Vec<u32> {
+        let all = self.receivers.par_iter().enumerate().with_min_len(PART);
+        all.filter(|(_, of)| of.map(u32::from) == Some(face)).map(|(id, _)| id as u32).collect()
+    }
+
+    /// The triangles that may be seen through a face.
+    pub(crate) fn triangles(&self, face: u32) -> Vec<u32> {
+        let all = self.triangles.par_iter().enumerate().with_min_len(PART);
+        all.filter(|(_, faces)| **faces >> face & 1 == 1).map(|(id, _)| id as u32).collect()
+    }
+}
+
+fn corners_of(scene: &Occluders, id: usize) -> Option<[IVec3; 3]> {
+    scene.corners(id)
+}
+
+/// An executor for one frame of a light.
+pub(crate) struct PunctualRun<'a> {
+    plan: &'a Plan,
+    isa: Isa,
+    precision: Precision,
+    light: Punctual,
+    frame: PunctualFrame,
+    scene: &'a Occluders,
+    points: &'a [IVec3],
+    triangles: &'a [u32],
+    receivers: &'a [u32],
+    shadows: &'a ShadowBits,
+    order: Vec<Entry>,
+    packed: PackedTriangles,
+    receiver_keys: Vec<Keys>,
+    receiver_order: Vec<Entry>,
+    pub(crate) statistics: &'a mut Statistics,
+}
+
+/// What is run on.
+pub(crate) struct Input<'a> {
+    pub(crate) plan: &'a Plan,
+    pub(crate) isa: Isa,
+    pub(crate) precision: Precision,
+    pub(crate) light: Punctual,
+    pub(crate) face: u32,
+    pub(crate) scene: &'a Occluders,
+    pub(crate) points: &'a [IVec3],
+    /// Of `scene`, those to be looked at.
+    pub(crate) triangles: &'a [u32],
+    /// Of `points`, those that lie in the frame.
+    pub(crate) receivers: &'a [u32],
+}
+
+impl<'a> PunctualRun<'a> {
+    pub(crate) fn new(input: Input<'a>, shadows: &'a ShadowBits, statistics: &'a mut Statistics) -> Self {
+        let Input { plan, isa, precision, light, face, scene, points, triangles, receivers } = input;
+        let frame = light.frame(face);
+        Self {
+            plan,
+            isa,
+            precision,
+            light,
+            frame,
+            scene,
+            points,
+            triangles,
+            receivers,
+            shadows,
+            order: Vec::new(),
+            packed: PackedTriangles::default(),
+            receiver_keys: Vec::new(),
+            receiver_order: Vec::new(),
+            statistics,
+        }
+    }
+
+    /// Codes of those that may block something.
+    fn key_triangles(&mut self) {
+        let keys = |id: u32| {
+            let corners = corners_of(self.scene, id as usize)?;
+            self.frame.triangle_keys(&corners).filter(|_| self.light.occluder(corners).is_some())
+        };
+        let codes = fitted(self.frame.light_frame(), self.triangles.len(), |place| keys(self.triangles[place]));
+        let entry = |id: &u32| Entry { code: keys(*id).map_or(Entry::ABSENT, |keys| code(&codes, &keys)), index: *id };
+        self.order = self.triangles.par_iter().with_min_len(PART).map(entry).collect();
+    }
+
+    fn order_triangles(&mut self) {
+        sort(&mut self.order);
+        self.order.truncate(self.order.partition_point(|entry| entry.code != Entry::ABSENT));
+        let leaves = self.order.par_chunks(NODE);
+        self.packed = PackedTriangles::of(self.order.len(), self.plan.levels(), None, leaves, |entries, mut leaf| {
+            for (lane, entry) in entries.iter().enumerate() {
+                let corners = corners_of(self.scene, entry.index as usize);
+                let keys = corners.and_then(|corners| self.frame.triangle_keys(&corners));
+                let occluder = corners.and_then(|corners| self.light.occluder(corners));
+                if let (Some(keys), Some(occluder)) = (keys, occluder) {
+                    leaf.put(lane, &keys, occluder);
+                }
+            }
+        });
+        self.order = Vec::new();
+    }
+
+    fn key_receivers(&mut self, first: usize, count: usize) {
+        let receivers = self.receivers[first..first + count].par_iter();
+        receivers
+            .map(|id| self.frame.receiver_keys(self.points[*id as usize]))
+            .collect_into_vec(&mut self.receiver_keys);
+    }
+
+    fn resolve(&mut self, first: usize) {
+        let scene = PunctualScene {
+            light: self.light,
+            levels: self.plan.levels(),
+            nodes: &self.packed.nodes,
+            occluders: &self.packed.occluders,
+        };
+        let total = Mutex::new(Counts::default());
+        self.receiver_order.par_chunks(TILE * GROUPS_A_JOB).for_each(|job| {
+            let mut counts = Counts::default();
+            for entries in job.chunks(TILE) {
+                let mut group = PunctualGroup::default();
+                let id = |entry: &Entry| self.receivers[first + entry.index as usize] as usize;
+                for (lane, entry) in entries.iter().enumerate() {
+                    group.set(lane, self.points[id(entry)], &self.receiver_keys[entry.index as usize]);
+                }
+                self.isa.resolve_punctual(self.precision, &scene, &mut group);
+                counts = counts.plus(group.counts);
+                for (lane, entry) in entries.iter().enumerate() {
+                    if group.shadowed >> lane & 1 == 1 {
+                        self.shadows.set(id(entry));
+                    }
+                }
+            }
+            let mut total = total.lock().unwrap_or_else(PoisonError::into_inner);
+            *total = total.plus(counts);
+        });
+        let found = total.into_inner().unwrap_or_else(PoisonError::into_inner);
+        self.statistics.counts = self.statistics.counts.plus(found);
+    }
+}
+
+impl Executor for PunctualRun<'_> {
+    type Error = ExecutorError;
+
+    fn dispatch(&mut self, pass: &Pass) -> Result<(), ExecutorError> {
+        let start = Instant::now();
+        let (first, count) = (pass.first as usize, pass.count as usize);
+        match pass.stage {
+            Stage::KeyTriangles => self.key_triangles(),
+            Stage::OrderTriangles => self.order_triangles(),
+            Stage::BuildLevel => build_level_of(self.plan.levels(), &mut self.packed.nodes, first),
+            Stage::KeyReceivers => self.key_receivers(first, count),
+            Stage::OrderReceivers => {
+                let frame = self.frame.light_frame();
+                self.receiver_order = ordered(frame, &self.receiver_keys, |keys| Some(*keys));
+            }
+            Stage::ResolvePunctual => self.resolve(first),
+            // No plan of a light without extent holds another.
+            _ => return Ok(()),
+        }
+        self.statistics.add(pass.stage, start.elapsed());
+        Ok(())
+    }
+}
