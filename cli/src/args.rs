@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use umbra4_core::{Precision, glam::DVec3};
 
+use crate::hard_light::HardLight;
+
 /// Exact soft shadows of area lights. Without a command: renders a built-in scene to umbra4.png.
 #[derive(Debug, Parser)]
 #[command(version)]
@@ -86,6 +88,12 @@ pub struct RenderArgs {
     /// Light samples each way
     #[arg(long, value_name = "N", default_value = "32", value_parser = ["8", "16", "32", "64"])]
     pub samples: String,
+    /// Instead of a light with an area, one infinitely far away, by the direction towards it: hard shadows, on the processor
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, conflicts_with_all = ["lamp", "light", "light_size", "light_distance", "jitter"])]
+    pub sun: Option<DVec3>,
+    /// The same, a point that shines to all sides
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, conflicts_with_all = ["light", "light_size", "light_distance", "jitter"])]
+    pub lamp: Option<DVec3>,
     /// Jitter the light samples, others in every frame, and accumulate so many frames: bands become noise, and then neither
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub jitter: Option<u32>,
@@ -236,6 +244,11 @@ impl SceneArgs {
 }
 
 impl RenderArgs {
+    /// The light without extent that is asked for instead of one with an area.
+    pub fn hard_light(&self) -> Option<HardLight> {
+        self.sun.map(HardLight::Sun).or(self.lamp.map(HardLight::Lamp))
+    }
+
     /// The built-in scene with all defaults: what runs without a command.
     pub fn without_arguments() -> Self {
         Self {
@@ -244,6 +257,8 @@ impl RenderArgs {
             view: View::Shaded,
             oversample: 1,
             samples: "32".to_owned(),
+            sun: None,
+            lamp: None,
             jitter: None,
             work: WorkArgs::default(),
         }

@@ -2,7 +2,7 @@
 
 use std::{fmt::Display, io};
 
-use umbra4_core::{LatticeError, LightError, accumulate::AccumulationError};
+use umbra4_core::{LatticeError, LightError, PunctualLightError, accumulate::AccumulationError};
 use umbra4_cpu::{ExecutorError, SceneError};
 use umbra4_wgpu::GpuError;
 
@@ -30,6 +30,8 @@ pub enum ProgramError {
     Output(#[from] InFile<OutputError>),
     /// The light, once sampled and snapped.
     Light(#[from] LightError),
+    /// A light without extent, once snapped.
+    HardLight(#[from] PunctualLightError),
     /// The camera.
     Camera(#[from] CameraError),
     /// The world is too large.
@@ -55,6 +57,12 @@ pub enum ProgramError {
         pixels: u64,
         /// How many can be.
         most: u64,
+    },
+    /// Something that only lights with an area have.
+    #[error("{option} is for lights with an area, not for --sun and --lamp")]
+    AreaOnly {
+        /// What was asked for.
+        option: &'static str,
     },
     /// A number of threads that the system does not give.
     #[error("cannot start {threads} threads: {reason}")]

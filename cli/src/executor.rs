@@ -1,6 +1,6 @@
 //! Where the work is done: on the processor, or on a GPU. The bits are the same.
 
-use umbra4_core::{Counts, LatticeLight};
+use umbra4_core::{Counts, LatticeLight, Punctual};
 use umbra4_cpu::{CpuExecutor, CpuWord, Occluders, Receivers};
 use umbra4_wgpu::{Choice, Gpu, LatticeScene, WgpuExecutor};
 
@@ -158,6 +158,22 @@ impl AnyExecutor {
                 Ok((lit, statistics.into()))
             }
         }
+    }
+
+    /// Which receivers a light without extent reaches: 1 where it does, 0 where it is blocked.
+    ///
+    /// # Errors
+    /// The executor's; one on a GPU, which has no such stage yet.
+    pub fn hard_visibility(
+        &self,
+        occluders: &Occluders,
+        light: &Punctual,
+        receivers: &Receivers,
+    ) -> Result<(Vec<f32>, Report), ProgramError> {
+        let Self::Cpu(cpu) = self else { return Err(ProgramError::AreaOnly { option: "--executor gpu" }) };
+        let (shadows, statistics) = cpu.hard_shadows(occluders, light, receivers)?;
+        let lit = |receiver| if shadows.is_blocked(receiver) == Some(true) { 0.0 } else { 1.0 };
+        Ok(((0..receivers.len()).map(lit).collect(), statistics.into()))
     }
 
     /// How many triangles block something from each receiver.

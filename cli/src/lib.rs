@@ -13,6 +13,7 @@ pub mod error;
 pub mod executor;
 pub mod fit;
 pub mod frames;
+pub mod hard_light;
 pub mod in_file;
 pub mod light_file;
 pub mod model;

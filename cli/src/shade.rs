@@ -7,6 +7,7 @@ use umbra4_core::{
 };
 
 use crate::{
+    hard_light::HardLight,
     picture::{Meaning, Picture},
     primary::{GBuffer, Hit},
 };
@@ -34,8 +35,17 @@ pub struct Look<'a> {
     pub fade: f64,
 }
 
+/// What lights the scene.
+#[derive(Clone, Copy, Debug)]
+pub enum Emitter {
+    /// A light with an area.
+    Area(AreaLight),
+    /// One without.
+    Hard(HardLight),
+}
+
 /// The lit scene. `visibility` holds a value for every pixel that sees something, in order.
-pub fn shaded(seen: &GBuffer, visibility: &[f32], light: &AreaLight, look: &Look<'_>) -> Picture {
+pub fn shaded(seen: &GBuffer, visibility: &[f32], light: &Emitter, look: &Look<'_>) -> Picture {
     let lamp = Lamp::new(light);
     let at_focus = lamp.facing(look.focus).max(f64::MIN_POSITIVE);
     let mut lit = visibility.iter();
@@ -104,22 +114,27 @@ fn fade(distance: f64) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// The lamp without its occluders: a few points that stand for its area.
-struct Lamp {
-    points: Vec<DVec3>,
-    normal: DVec3,
-    center: DVec3,
+/// The light without its occluders.
+enum Lamp {
+    /// A few points that stand for its area, its normal and its middle.
+    Area { points: Vec<DVec3>, normal: DVec3, center: DVec3 },
+    /// As it is.
+    Hard(HardLight),
 }
 
 impl Lamp {
-    fn new(light: &AreaLight) -> Self {
+    fn new(light: &Emitter) -> Self {
+        let light = match light {
+            Emitter::Area(light) => light,
+            Emitter::Hard(light) => return Self::Hard(*light),
+        };
         let [corner, along_u, _, along_v] = light.corners();
         let (u, v) = (along_u - corner, along_v - corner);
         let at = |i: u32| (f64::from(i) + 0.5) / f64::from(FORM_FACTOR);
         let points = (0..FORM_FACTOR * FORM_FACTOR)
             .map(|i| corner + u * at(i % FORM_FACTOR) + v * at(i / FORM_FACTOR))
             .collect();
-        Self {
+        Self::Area {
             points,
             normal: u.normalize_or_zero().cross(v.normalize_or_zero()).normalize_or_zero(),
             center: light.center(),
@@ -128,20 +143,26 @@ impl Lamp {
 
     /// Irradiance at an unoccluded point, up to the lamp's power.
     fn irradiance(&self, position: DVec3, normal: DVec3) -> f64 {
-        self.points
-            .iter()
-            .map(|point| {
-                let towards = point - position;
-                let squared = towards.length_squared().max(f64::MIN_POSITIVE);
-                let cosines = normal.dot(towards).max(0.0) * self.normal.dot(-towards).max(0.0);
-                cosines / (squared * squared)
-            })
-            .sum()
+        let (points, own_normal) = match self {
+            Self::Area { points, normal, .. } => (points, normal),
+            Self::Hard(light) => return light.irradiance(position, normal),
+        };
+        let from = |point: &DVec3| {
+            let towards = point - position;
+            let squared = towards.length_squared().max(f64::MIN_POSITIVE);
+            let cosines = normal.dot(towards).max(0.0) * own_normal.dot(-towards).max(0.0);
+            cosines / (squared * squared)
+        };
+        points.iter().map(from).sum()
     }
 
     /// As [`Lamp::irradiance`], on a surface that is tilted half-way towards the lamp.
     fn facing(&self, position: DVec3) -> f64 {
-        let towards = (self.center - position).normalize_or(DVec3::Y);
+        let towards = match self {
+            Self::Area { center, .. } | Self::Hard(HardLight::Lamp(center)) => *center - position,
+            Self::Hard(HardLight::Sun(towards)) => *towards,
+        };
+        let towards = towards.normalize_or(DVec3::Y);
         self.irradiance(position, (towards + DVec3::Y).normalize_or(DVec3::Y))
     }
 }
@@ -164,8 +185,8 @@ mod tests {
     fn the_lamp_lights_what_it_faces() {
         let light = AreaLight::new(DVec3::new(-0.5, 2.0, -0.5), DVec3::X, DVec3::Z, 4, 4).unwrap();
         let look = Look { colors: &[], focus: DVec3::ZERO, fade: 100.0 };
-        let lit = shaded(&one_hit(), &[1.0], &light, &look).pixels[1];
-        let dark = shaded(&one_hit(), &[0.0], &light, &look).pixels[1];
+        let lit = shaded(&one_hit(), &[1.0], &Emitter::Area(light), &look).pixels[1];
+        let dark = shaded(&one_hit(), &[0.0], &Emitter::Area(light), &look).pixels[1];
         assert!(lit.x > 3.0 * dark.x && dark.x > 0.0);
     }
 

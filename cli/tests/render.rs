@@ -28,6 +28,25 @@ fn all_kinds_of_shadow_are_seen() {
 }
 
 #[test]
+fn lights_without_extent_cast_hard_shadows() {
+    let folder = Folder::new();
+    for (name, light) in [("sun", "--sun -1,2,0.5"), ("lamp", "--lamp -2,6,3")] {
+        let options = format!("--builtin --size 64x64 {light}");
+        let table = folder.succeed(&format!("render -o {name}.exr --view visibility {options}"));
+        for word in ["resolve_punctual", name, "penumbra 0.0 %"] {
+            assert!(table.contains(word), "{table}");
+        }
+        let picture = image::open(folder.path(&format!("{name}.exr"))).unwrap().into_rgb32f();
+        let share = |class: fn(f32) -> bool| picture.pixels().filter(|p| class(p.0[0])).count() as f64 / 4096.0;
+        assert!(share(|v| v <= 0.0) > 0.05 && share(|v| v >= 1.0) > 0.15, "{name}");
+        folder.succeed(&format!("render -o {name}.png {options}"));
+        folder.fail(&format!("render -o pairs.png --view pairs {options}"), "--view pairs is for lights with an area");
+    }
+    folder.fail("render --builtin -o out.png --sun 0,0,0", "points nowhere");
+    folder.fail("render --builtin -o out.png --lamp nan,0,0", "NaN");
+}
+
+#[test]
 fn a_model_gets_a_camera_a_light_and_a_ground() {
     let folder = Folder::new();
     let table = folder.succeed("render model.obj -o a.png --size 64x64 --samples 16");

@@ -54,6 +54,8 @@ pub mod depth;
 #[cfg(not(target_arch = "spirv"))]
 pub mod edge_trace;
 #[cfg(not(target_arch = "spirv"))]
+pub mod emission;
+#[cfg(not(target_arch = "spirv"))]
 pub mod executor;
 #[cfg(not(target_arch = "spirv"))]
 pub mod grid;

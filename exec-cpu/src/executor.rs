@@ -6,6 +6,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use thiserror::Error;
 use umbra4_core::{
     IndexKind, LatticeLight, MaskWord, Plan, Precision, Punctual, SceneFacts,
+    emission::{Emission, Weight},
     jitter::{Pattern, Regular},
     light::MAX_SAMPLES,
     stage::reduce,
@@ -57,6 +58,14 @@ pub enum ExecutorError {
     /// The paper's grid is the reference for the paper's figures, and takes the paper's samples.
     #[error("the light's samples are jittered: the grid takes regular ones only")]
     JitteredGrid,
+    /// The emission is another light's.
+    #[error("an emission of {}×{} samples for a light of {}×{}", emission[0], emission[1], light[0], light[1])]
+    EmissionSize {
+        /// Rows and columns of the emission.
+        emission: [u32; 2],
+        /// Rows and columns of the light.
+        light: [u32; 2],
+    },
     /// The lists of the grid's cells would not fit the memory.
     #[error("the cells of the grid hold {entries} {field}, too many for the memory: use fewer cells or receivers")]
     GridTooLarge {
@@ -206,6 +215,46 @@ impl CpuExecutor {
         let table: Vec<f32> =
             (0..=light.sample_count()).map(|lit| reduce::visibility(lit, light.sample_count())).collect();
         self.per_receiver(occluders, light, receivers, |answer| table[answer.lit as usize])
+    }
+
+    /// The light that every receiver gets, red, green and blue: sums of the weights of lit samples, of which
+    /// [`Emission::fraction`] makes fractions. Masks are never stored.
+    ///
+    /// # Errors
+    /// An emission of another number of rows or columns than the light's.
+    pub fn light<S: AsRef<[Weight]> + Sync>(
+        &self,
+        occluders: &Occluders,
+        light: &LatticeLight,
+        receivers: &Receivers,
+        emission: &Emission<S>,
+    ) -> Result<(Vec<[u32; 3]>, Statistics), ExecutorError> {
+        let size = [light.rows, light.columns];
+        if emission.size() != size {
+            return Err(ExecutorError::EmissionSize { emission: emission.size(), light: size });
+        }
+        match light.columns {
+            0..=16 => self.light_in::<u16, S>(occluders, light, receivers, emission),
+            17..=32 => self.light_in::<u32, S>(occluders, light, receivers, emission),
+            _ => self.light_in::<u64, S>(occluders, light, receivers, emission),
+        }
+    }
+
+    fn light_in<W: CpuWord, S: AsRef<[Weight]> + Sync>(
+        &self,
+        occluders: &Occluders,
+        light: &LatticeLight,
+        receivers: &Receivers,
+        emission: &Emission<S>,
+    ) -> Result<(Vec<[u32; 3]>, Statistics), ExecutorError> {
+        let mut sums = vec![[0; 3]; receivers.len()];
+        let out = Scatter::new(&mut sums);
+        let statistics = self.run::<W>(occluders, light, receivers, true, |answer| {
+            let lit = if answer.lit { emission.total() } else { emission.lit(answer.rows) };
+            // SAFETY: every receiver is visited once, and its element is its own.
+            unsafe { out.part(answer.receiver, 1) }.fill(lit);
+        })?;
+        Ok((sums, statistics))
     }
 
     /// The lit samples of every receiver, `0..=light.sample_count()`: what [`umbra4_core::accumulate`] adds up over frames.

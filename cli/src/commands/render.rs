@@ -10,10 +10,11 @@ use crate::{
     error::ProgramError,
     executor::AnyExecutor,
     frames::Frames,
+    hard_light::HardLight,
     picture::PictureFormat,
     primary,
     scene::{self, Scene},
-    shade,
+    shade::{self, Emitter},
     stages::Stages,
 };
 
@@ -21,6 +22,9 @@ const STAGES: u64 = 6;
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     let format = PictureFormat::of(&args.output)?;
+    if args.hard_light().is_some() && args.view == View::Pairs {
+        return Err(ProgramError::AreaOnly { option: "--view pairs" });
+    }
     let executor = AnyExecutor::new(&args.work)?;
     let (width, height) = args.scene.pixels();
     let fine = |pixels: u32| pixels * args.oversample;
@@ -33,44 +37,60 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     // clap lets nothing but 8, 16, 32 and 64 through; whatever else is refused by the light.
     let area = scene.light.sampled(args.samples.parse().unwrap_or(0))?;
     let area = area.with_jitter(frames.map_or(Jitter::NONE, |_| Jitter::pattern(0)));
+    let emitter = args.hard_light().map_or(Emitter::Area(area), Emitter::Hard);
     let seen =
         stages.run("primary", || primary::visible_surfaces(&scene.model, &scene.camera, fine(width), fine(height)));
-    let (occluders, light, receivers, lattice) = stages.run("snap", || -> Result<_, ProgramError> {
-        let bounds = scene.model.bounds().union(Bounds::of(area.corners()));
+    let (occluders, receivers, lattice) = stages.run("snap", || -> Result<_, ProgramError> {
+        let light = match &emitter {
+            Emitter::Area(area) => Some(Bounds::of(area.corners())),
+            Emitter::Hard(light) => light.bounds(),
+        };
+        let bounds = light.into_iter().fold(scene.model.bounds(), Bounds::union);
         let lattice = Lattice::covering(bounds)?;
         let positions: Vec<Vec3> = seen.seen().map(|hit| hit.position).collect();
         let normals: Vec<Vec3> = seen.seen().map(|hit| hit.normal).collect();
         Ok((
             Occluders::new(&lattice, &scene.model.vertices, &scene.model.triangles)?,
-            area.snap(&lattice, Lift::F32_POSITIONS)?,
             Receivers::on_surfaces(&lattice, &positions, &normals, Lift::F32_POSITIONS)?,
             lattice,
         ))
     })?;
 
     let (mut visibility, mut pairs) = (Vec::new(), Vec::new());
-    let snapped = (&occluders, &light, &receivers);
-    let (runs, statistics) = if args.view == View::Pairs {
-        let statistics;
-        (pairs, statistics) = stages.run("shadows", || executor.pairs_per_receiver(snapped))?;
-        (1, statistics)
-    } else if let Some(count) = frames {
-        let mut frames = Frames::new(&executor, &lattice, area, &occluders, &receivers);
-        stages.expect(u64::from(count) - 1);
-        for frame in 1..=count {
-            stages.run(&format!("frame {frame} of {count}"), || frames.run())?;
+    let (runs, statistics) = match &emitter {
+        Emitter::Hard(light) => {
+            let light = light.snap(&lattice)?;
+            let statistics;
+            (visibility, statistics) =
+                stages.run("shadows", || executor.hard_visibility(&occluders, &light, &receivers))?;
+            (1, statistics)
         }
-        visibility = frames.visibility();
-        (count as usize, frames.report)
-    } else {
-        let statistics;
-        (visibility, statistics) = stages.run("shadows", || executor.visibility(snapped))?;
-        (1, statistics)
+        Emitter::Area(area) if args.view != View::Pairs && frames.is_some() => {
+            let count = frames.unwrap_or(1);
+            let mut frames = Frames::new(&executor, &lattice, *area, &occluders, &receivers);
+            stages.expect(u64::from(count) - 1);
+            for frame in 1..=count {
+                stages.run(&format!("frame {frame} of {count}"), || frames.run())?;
+            }
+            visibility = frames.visibility();
+            (count as usize, frames.report)
+        }
+        Emitter::Area(area) => {
+            let light = area.snap(&lattice, Lift::F32_POSITIONS)?;
+            let snapped = (&occluders, &light, &receivers);
+            let statistics;
+            if args.view == View::Pairs {
+                (pairs, statistics) = stages.run("shadows", || executor.pairs_per_receiver(snapped))?;
+            } else {
+                (visibility, statistics) = stages.run("shadows", || executor.visibility(snapped))?;
+            }
+            (1, statistics)
+        }
     };
     stages.split_last(runs, &statistics);
 
     let picture = stages.run("shade", || match args.view {
-        View::Shaded => shade::shaded(&seen, &visibility, &area, &scene.look()),
+        View::Shaded => shade::shaded(&seen, &visibility, &emitter, &scene.look()),
         View::Visibility => shade::visibility(&seen, &visibility),
         View::Penumbra => shade::penumbra(&seen, &visibility),
         View::Pairs => shade::pairs(&seen, &pairs),
@@ -84,7 +104,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
         "{} triangles, {} receivers, {}, {width}×{height} pixels, on {}\n",
         scene.model.triangles.len(),
         receivers.len(),
-        samples(area.rows(), frames),
+        match &emitter {
+            Emitter::Area(area) => samples(area.rows(), frames),
+            Emitter::Hard(HardLight::Sun(_)) => "the sun".to_owned(),
+            Emitter::Hard(HardLight::Lamp(_)) => "a lamp without extent".to_owned(),
+        },
         executor.name(),
     )?;
     writeln!(out, "{}", stages.table())?;

@@ -14,7 +14,7 @@ use crate::{
         results::Entry,
         tiles::Choice,
     },
-    shade,
+    shade::{self, Emitter},
 };
 
 /// Who is judged.
@@ -79,5 +79,5 @@ impl<'a> Judge<'a> {
 
 /// The picture as a PNG would hold it.
 fn shaded(problem: &Problem, light: &AreaLight, visibility: &[f32]) -> RgbImage {
-    shade::shaded(&problem.seen, visibility, light, &problem.scene.look()).encoded()
+    shade::shaded(&problem.seen, visibility, &Emitter::Area(*light), &problem.scene.look()).encoded()
 }
