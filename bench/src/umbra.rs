@@ -118,7 +118,8 @@ impl<W: RowWord> Contender<W> for PointLamp {
         let occluders = snapped(problem)?;
         let build = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let light = Punctual::point(problem.light.sample(0, 0));
+        let sample = problem.light.sample(0, 0);
+        let light = Punctual::point(sample).ok_or(ContenderError::NoPoint { samples })?;
         let (shadows, statistics) = executor.hard_shadows(&occluders, &light, &problem.receivers)?;
         let run = Run { build, masks: start.elapsed().as_secs_f64(), counts: Some(statistics.counts) };
         // A lamp with an area does not shine behind itself.

@@ -89,10 +89,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "N", default_value = "32", value_parser = ["8", "16", "32", "64"])]
     pub samples: String,
     /// Instead of a light with an area, one infinitely far away, by the direction towards it: hard shadows, on the processor
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, conflicts_with_all = ["lamp", "light", "light_size", "light_distance", "jitter"])]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, conflicts_with_all = ["lamp", "light", "light_size", "light_distance", "samples", "jitter"])]
     pub sun: Option<DVec3>,
     /// The same, a point that shines to all sides
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, conflicts_with_all = ["light", "light_size", "light_distance", "jitter"])]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, conflicts_with_all = ["light", "light_size", "light_distance", "samples", "jitter"])]
     pub lamp: Option<DVec3>,
     /// Jitter the light samples, others in every frame, and accumulate so many frames: bands become noise, and then neither
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=4096))]

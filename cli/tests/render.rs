@@ -40,7 +40,9 @@ fn lights_without_extent_cast_hard_shadows() {
         let share = |class: fn(f32) -> bool| picture.pixels().filter(|p| class(p.0[0])).count() as f64 / 4096.0;
         assert!(share(|v| v <= 0.0) > 0.05 && share(|v| v >= 1.0) > 0.15, "{name}");
         folder.succeed(&format!("render -o {name}.png {options}"));
-        folder.fail(&format!("render -o pairs.png --view pairs {options}"), "--view pairs is for lights with an area");
+        folder.fail(&format!("render -o out.png --view pairs {options}"), "--view pairs is for lights with an area");
+        folder
+            .fail(&format!("render -o out.png --executor gpu {options}"), "--executor gpu is for lights with an area");
     }
     folder.fail("render --builtin -o out.png --sun 0,0,0", "points nowhere");
     folder.fail("render --builtin -o out.png --lamp nan,0,0", "NaN");

@@ -38,39 +38,10 @@ pub(crate) fn blocked<L: Lanes, P: PrecisionMode>(
     kept: u32,
     fallbacks: &mut Tally,
 ) -> u32 {
-    let offsets = &view.offsets;
-    let planes = punctual::planes::<L, P>(Punctual::point(grid.light.origin), offsets, occluder.corners());
-    let (mut inside, mut unsure) = (kept, 0);
-    let mut k = 0;
-    while k < 4 {
-        let (positive, near) = planes.signs::<L, P>(offsets, k);
-        inside &= positive | near;
-        unsure |= near;
-        k += 1;
-    }
-    unsure &= inside;
-    if unsure == 0 { inside } else { settle(grid, receivers, occluder.corners(), inside, unsure, fallbacks) }
-}
-
-/// Decides the lanes in `unsure`, in integers. Out of line: few come here.
-#[inline(never)]
-fn settle(
-    grid: &LightGrid,
-    receivers: &ReceiverTile,
-    corners: [IVec3; 3],
-    mut inside: u32,
-    mut unsure: u32,
-    fallbacks: &mut Tally,
-) -> u32 {
-    while unsure != 0 {
-        let lane = unsure.trailing_zeros() as usize;
-        unsure &= unsure - 1;
-        *fallbacks += 1;
-        if !blocks_beside(&grid.light, receivers.point(lane), corners) {
-            inside &= !(1 << lane);
-        }
-    }
-    inside
+    let (corner, corners) = (Punctual::at_sample(grid.light.origin), occluder.corners());
+    punctual::blocked::<L, P>(corner, &view.offsets, receivers, occluder, kept, fallbacks, |p| {
+        blocks_beside(&grid.light, p, corners)
+    })
 }
 
 /// Whether a facing triangle blocks sample (0, 0), moved by a little along the columns and by much less along the rows.

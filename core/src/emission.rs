@@ -129,7 +129,7 @@ impl<S: AsRef<[Weight]>> Emission<S> {
     /// Of weights as they are, `rows` × `columns` of them, row by row.
     ///
     /// # Errors
-    /// Another number of weights; weights that are all zero.
+    /// Rows or columns outside `1..=64`; another number of weights; weights that are all zero.
     pub fn new(rows: u32, columns: u32, weights: S) -> Result<Self, EmissionError> {
         check("weights", weights.as_ref().len(), rows, columns)?;
         let mut total = [0; 3];
@@ -146,8 +146,10 @@ impl<S: AsRef<[Weight]>> Emission<S> {
 
     /// The weight of a sample, or `None` where there is no such sample.
     pub fn weight(&self, row: u32, column: u32) -> Option<Weight> {
-        let index = (row * self.columns + column) as usize;
-        self.weights.as_ref().get(index).copied().filter(|_| row < self.rows && column < self.columns)
+        if row >= self.rows || column >= self.columns {
+            return None;
+        }
+        self.weights.as_ref().get((row * self.columns + column) as usize).copied()
     }
 
     /// The sum of all weights.
@@ -186,7 +188,7 @@ impl<S: AsRef<[Weight]> + AsMut<[Weight]>> Emission<S> {
     /// radiance is [`WHOLE`]. What `room` holds is not looked at.
     ///
     /// # Errors
-    /// Another number of radiances, or room for another; a radiance that is negative or not finite; a light that is dark.
+    /// Rows or columns outside `1..=64`; another number of radiances, or room for another; a radiance that is negative or not finite; a light that is dark.
     pub fn textured(rows: u32, columns: u32, mut room: S, radiance: &[[f32; 3]]) -> Result<Self, EmissionError> {
         check("radiances", radiance.len(), rows, columns)?;
         check("weights", room.as_ref().len(), rows, columns)?;
@@ -212,7 +214,7 @@ impl<S: AsRef<[Weight]> + AsMut<[Weight]>> Emission<S> {
     /// Of a shape: samples emit where the middle of their cell belongs to it. What `room` holds is not looked at.
     ///
     /// # Errors
-    /// Room for another number of weights; a corner that is not finite; a shape that holds no sample.
+    /// Rows or columns outside `1..=64`; room for another number of weights; a corner that is not finite; a shape that holds no sample.
     pub fn shaped(rows: u32, columns: u32, mut room: S, shape: Shape<'_>) -> Result<Self, EmissionError> {
         check("weights", room.as_ref().len(), rows, columns)?;
         if let Shape::Polygon(corners) = shape {

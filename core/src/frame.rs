@@ -98,16 +98,24 @@ impl LightFrame {
         }
     }
 
-    /// The frame of a light that is infinitely far away, `towards` it: across in units of 2^29 lattice units, and the height in
-    /// lattice units from a point that all of the lattice lies below, away from the light.
+    /// The frame of a light that is infinitely far away, `towards` it. Its two axes across are the direction's products with those
+    /// two of the lattice's that it is least along: their components are the direction's, or zero, so that rounding leaves them
+    /// perpendicular to it but for what [`DOT_ERROR`] counts. The origin lies 2^30 lattice units towards the light, beyond the
+    /// lattice, and heights grow away from it.
     #[cfg(not(target_arch = "spirv"))]
     pub(crate) fn parallel(towards: IVec3) -> Self {
-        let up = towards.as_dvec3().normalize_or(DVec3::Y);
-        let (u, v) = up.any_orthonormal_pair();
+        let direction = towards.as_dvec3();
+        let (u, v) = match direction.abs().max_position() {
+            0 => (DVec3::Y, DVec3::Z),
+            1 => (DVec3::Z, DVec3::X),
+            _ => (DVec3::X, DVec3::Y),
+        };
+        let unit = f64::from(LIMIT) * direction.abs().max_element().max(1.0);
+        let up = direction.normalize_or(DVec3::Y);
         Self {
             origin: (up * f64::from(2 * LIMIT)).as_ivec3(),
-            along_u: (u / f64::from(LIMIT)).as_vec3(),
-            along_v: (v / f64::from(LIMIT)).as_vec3(),
+            along_u: (direction.cross(u) / unit).as_vec3(),
+            along_v: (direction.cross(v) / unit).as_vec3(),
             normal: (-up).as_vec3(),
             last_column: 0.0,
             last_row: 0.0,

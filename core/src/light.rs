@@ -6,7 +6,10 @@ use glam::IVec3;
 
 use crate::jitter::Jitter;
 #[cfg(not(target_arch = "spirv"))]
-use crate::jitter::{Pattern, Samples};
+use crate::{
+    exact::{self, Wide},
+    jitter::{Pattern, Samples},
+};
 
 /// Most rows, and most columns, of a sample grid: one mask word holds a row.
 pub const MAX_SAMPLES: u32 = 64;
@@ -40,6 +43,12 @@ impl LatticeLight {
         let place = Pattern::of(self).place(row as usize, column as usize);
         let fine = self.fine();
         fine.origin + fine.step_v * place.fine_row + fine.step_u * place.fine_column
+    }
+
+    /// Whether any of these points lies before the light.
+    #[cfg(not(target_arch = "spirv"))]
+    pub fn reaches(&self, points: &[IVec3]) -> bool {
+        points.iter().any(|p| !exact::behind_light::<Wide>(self, *p))
     }
 
     /// Number of samples.

@@ -36,8 +36,11 @@ pub struct SceneFacts {
     pub index: IndexKind,
     /// Whether the light's samples are jittered.
     pub jittered: bool,
-    /// Whether the triangles come in an order that suits every light.
+    /// Whether the triangles come in an order that suits every light: then [`Stage::KeyTriangles`] packs them as they lie, for
+    /// executors that can.
     pub arranged: bool,
+    /// Whether any receiver lies before the light; where none does, all is settled without a triangle.
+    pub reached: bool,
     /// Whether the light is one without extent ([`crate::punctual`]): masks have one bit.
     pub punctual: bool,
 }
@@ -63,6 +66,7 @@ pub struct Plan {
 impl Plan {
     /// Decides what runs.
     pub fn new(facts: SceneFacts) -> Self {
+        let facts = SceneFacts { triangles: if facts.reached { facts.triangles } else { 0 }, ..facts };
         let levels = match facts.index {
             IndexKind::Grid if !facts.punctual => Levels::default(),
             _ => Levels::of(facts.triangles),
@@ -164,7 +168,7 @@ impl Plan {
             Stage::FindSilhouette if facts.index != IndexKind::Silhouette => (false, "triangles are taken one by one"),
             Stage::FindSilhouette if triangles => (true, "edges inside a surface change nothing"),
             Stage::KeyTriangles | Stage::OrderTriangles | Stage::FindSilhouette | Stage::BinTriangles if !triangles => {
-                (false, "no triangles")
+                (false, if facts.reached { "no triangles" } else { "no receiver lies before the light" })
             }
             Stage::KeyTriangles | Stage::OrderTriangles | Stage::FindSilhouette | Stage::BinTriangles => {
                 (true, "triangles to index")

@@ -20,6 +20,7 @@ use crate::{
     occluder::{Facing, Occluder},
     precision::PrecisionMode,
     side::Planes,
+    snap::LIMIT,
     statistics::Tally,
     view::Offsets,
 };
@@ -39,14 +40,22 @@ pub struct Punctual {
 }
 
 impl Punctual {
-    /// At a lattice point.
-    pub const fn point(at: IVec3) -> Self {
-        Self { at, is_point: true }
+    /// At a lattice point. `None` outside the lattice, whose coordinates lie strictly between -2^29 and 2^29.
+    pub const fn point(at: IVec3) -> Option<Self> {
+        let inside = is_within(at.x, LIMIT - 1) && is_within(at.y, LIMIT - 1) && is_within(at.z, LIMIT - 1);
+        if inside { Some(Self::at_sample(at)) } else { None }
     }
 
-    /// From infinitely far away: `towards` it, components of at most 2^29 in magnitude, not all of them zero.
-    pub const fn direction(towards: IVec3) -> Self {
-        Self { at: towards, is_point: false }
+    /// From infinitely far away: `towards` it. `None` where that is zero, or a component is beyond 2^29 in magnitude.
+    pub const fn direction(towards: IVec3) -> Option<Self> {
+        let somewhere = towards.x != 0 || towards.y != 0 || towards.z != 0;
+        let inside = is_within(towards.x, LIMIT) && is_within(towards.y, LIMIT) && is_within(towards.z, LIMIT);
+        if somewhere && inside { Some(Self { at: towards, is_point: false }) } else { None }
+    }
+
+    /// At a sample of a light, which is on the lattice.
+    pub(crate) const fn at_sample(at: IVec3) -> Self {
+        Self { at, is_point: true }
     }
 
     /// Where a point light is, lattice.
@@ -54,7 +63,7 @@ impl Punctual {
         if self.is_point { Some(self.at) } else { None }
     }
 
-    /// The vector from infinitely far lights' receivers to them.
+    /// The vector towards a light that is infinitely far away.
     pub const fn towards(&self) -> Option<IVec3> {
         if self.is_point { None } else { Some(self.at) }
     }
@@ -94,6 +103,10 @@ impl Punctual {
     }
 }
 
+const fn is_within(x: i32, most: i32) -> bool {
+    -most <= x && x <= most
+}
+
 /// Whether the triangle blocks the light from p: the rule as it stands above.
 pub fn blocks(light: Punctual, p: IVec3, triangle: [IVec3; 3]) -> bool {
     let [a, b, c] = triangle;
@@ -125,7 +138,8 @@ pub(crate) fn planes<L: Lanes, P: PrecisionMode>(light: Punctual, offsets: &Offs
     Planes::spanned::<L, P>(offsets, &e, &f, &d)
 }
 
-/// Lanes of `kept` from which the triangle blocks the light. It faces the light.
+/// Lanes of `kept` from which the triangle, which faces the light, blocks it. Where a float cannot tell, `blocks` does, of one
+/// receiver.
 #[inline(always)]
 pub(crate) fn blocked<L: Lanes, P: PrecisionMode>(
     light: Punctual,
@@ -134,6 +148,7 @@ pub(crate) fn blocked<L: Lanes, P: PrecisionMode>(
     occluder: &Occluder,
     kept: u32,
     fallbacks: &mut Tally,
+    blocks: impl Fn(IVec3) -> bool,
 ) -> u32 {
     let planes = planes::<L, P>(light, offsets, occluder.corners());
     let (mut inside, mut unsure) = (kept, 0);
@@ -145,24 +160,23 @@ pub(crate) fn blocked<L: Lanes, P: PrecisionMode>(
         k += 1;
     }
     unsure &= inside;
-    if unsure == 0 { inside } else { settle(light, receivers, occluder.corners(), inside, unsure, fallbacks) }
+    if unsure == 0 { inside } else { settle(receivers, inside, unsure, fallbacks, blocks) }
 }
 
-/// Decides the lanes in `unsure`, in integers. Out of line: few come here.
+/// Decides the lanes in `unsure`. Out of line: few come here.
 #[inline(never)]
 fn settle(
-    light: Punctual,
     receivers: &ReceiverTile,
-    corners: [IVec3; 3],
     mut inside: u32,
     mut unsure: u32,
     fallbacks: &mut Tally,
+    blocks: impl Fn(IVec3) -> bool,
 ) -> u32 {
     while unsure != 0 {
         let lane = unsure.trailing_zeros() as usize;
         unsure &= unsure - 1;
         *fallbacks += 1;
-        if !blocks(light, receivers.point(lane), corners) {
+        if !blocks(receivers.point(lane)) {
             inside &= !(1 << lane);
         }
     }

@@ -36,7 +36,7 @@ impl PointLight {
     /// # Errors
     /// A position that is not finite or outside the lattice.
     pub fn snap(&self, lattice: &Lattice) -> Result<Punctual, PunctualLightError> {
-        lattice.snap_f64(self.position).map(Punctual::point).map_err(PunctualLightError::Position)
+        lattice.snap_f64(self.position).map(Punctual::at_sample).map_err(PunctualLightError::Position)
     }
 }
 
@@ -55,12 +55,14 @@ impl DirectionalLight {
     /// A direction that is zero or not finite.
     pub fn snap(&self) -> Result<Punctual, PunctualLightError> {
         let longest = self.towards.abs().max_element();
-        if !self.towards.is_finite() || longest == 0.0 {
-            return Err(PunctualLightError::Direction { towards: self.towards });
+        let nowhere = PunctualLightError::Direction { towards: self.towards };
+        if !self.towards.is_finite() {
+            return Err(nowhere);
         }
         let towards = (self.towards / longest * f64::from(LIMIT)).to_array();
         // Halves away from zero, as the lattice rounds.
         let rounded = towards.map(|x| (x + if x < 0.0 { -0.5 } else { 0.5 }) as i32);
-        Ok(Punctual::direction(IVec3::from_array(rounded)))
+        // (Of zero, 0 / 0 is not a number, which becomes 0 again.)
+        Punctual::direction(IVec3::from_array(rounded)).ok_or(nowhere)
     }
 }

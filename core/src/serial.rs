@@ -82,7 +82,8 @@ pub enum SerialError {
         /// Index of the element.
         index: u32,
     },
-    /// The plan asks for another index; the serial executor knows the hierarchy only.
+    /// The plan asks for another index, for a light without extent, or for a mesh to be packed as it lies: the serial executor
+    /// knows lights with an area, and a hierarchy that is made anew.
     #[error("the serial executor does not run {stage:?}")]
     OtherIndex {
         /// The stage.
@@ -243,6 +244,9 @@ impl<W: MaskWord, P: PrecisionMode> Executor for Serial<'_, W, P> {
         let (done, buffer) = match pass.stage {
             Stage::SnapVertices => (self.snap(pass)?, "vertices"),
             Stage::SnapReceivers => (self.snap(pass)?, "receivers"),
+            Stage::KeyTriangles if self.plan.facts().arranged => {
+                return Err(SerialError::OtherIndex { stage: pass.stage });
+            }
             Stage::KeyTriangles => (self.key_triangles(pass), "triangle_keys or triangle_order"),
             Stage::OrderTriangles => (self.order_triangles(pass), "nodes or occluders"),
             Stage::BuildLevel => (self.build_level(pass), "nodes"),

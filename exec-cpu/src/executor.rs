@@ -1,6 +1,6 @@
 //! The executor that users hold: options, and the ways to ask.
 
-use std::sync::Arc;
+use std::{sync::Arc, time::Instant};
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use thiserror::Error;
@@ -9,13 +9,13 @@ use umbra4_core::{
     emission::{Emission, Weight},
     jitter::{Pattern, Regular},
     light::MAX_SAMPLES,
-    stage::reduce,
+    stage::{Stage, reduce},
 };
 
 use crate::{
     CpuWord, HardShadows, Index, Isa, Masks, Occluders, Receivers, Statistics,
     hard_shadows::ShadowBits,
-    punctual::{Faces, Input, PunctualRun},
+    punctual::{Faces, Input, Part, PunctualRun},
     run::{How, Run},
     scatter::Scatter,
 };
@@ -162,6 +162,7 @@ impl CpuExecutor {
         Plan::new(SceneFacts {
             jittered: light.jitter.is_some(),
             arranged: occluders.arrangement().is_some(),
+            reached: light.reaches(receivers.points()),
             punctual: false,
             new_vertices: 0,
             triangles: occluders.triangles().len() as u32,
@@ -325,8 +326,10 @@ impl CpuExecutor {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
+    /// The index is always a hierarchy, whatever [`CpuExecutor::with_index`] chose.
+    ///
     /// # Errors
-    /// None but those of the thread pool.
+    /// None yet.
     pub fn hard_shadows(
         &self,
         occluders: &Occluders,
@@ -335,24 +338,22 @@ impl CpuExecutor {
     ) -> Result<(HardShadows, Statistics), ExecutorError> {
         let (shadows, mut statistics) = (ShadowBits::new(receivers.len()), Statistics::default());
         let mut work = || {
+            let start = Instant::now();
             let faces = Faces::new(light, occluders, receivers.points());
-            (0..light.faces()).try_for_each(|face| {
-                let in_face = faces.receivers(face);
-                if in_face.is_empty() {
-                    return Ok(());
-                }
-                let triangles = faces.triangles(face);
-                let plan = punctual_plan(triangles.len(), in_face.len());
+            let parts: Vec<Part> = (0..light.faces()).filter_map(|face| faces.part(face)).collect();
+            if !parts.is_empty() {
+                statistics.add(Stage::KeyTriangles, start.elapsed());
+            }
+            parts.iter().try_for_each(|part| {
+                let plan = punctual_plan(part.triangles.len(), part.receivers.len());
                 let input = Input {
                     plan: &plan,
                     isa: self.isa,
                     precision: self.precision,
                     light: *light,
-                    face,
                     scene: occluders,
                     points: receivers.points(),
-                    triangles: &triangles,
-                    receivers: &in_face,
+                    part,
                 };
                 plan.run(&mut PunctualRun::new(input, &shadows, &mut statistics))
             })
@@ -361,6 +362,7 @@ impl CpuExecutor {
             Some(pool) => pool.install(work),
             None => work(),
         }?;
+        statistics.sort();
         Ok((shadows.finish(), statistics))
     }
 
@@ -442,6 +444,7 @@ fn punctual_plan(triangles: usize, receivers: usize) -> Plan {
         index: IndexKind::Hierarchy,
         jittered: false,
         arranged: false,
+        reached: true,
         punctual: true,
     })
 }

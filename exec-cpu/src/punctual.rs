@@ -44,45 +44,32 @@ impl Faces {
     pub(crate) fn new(light: &Punctual, scene: &Occluders, receivers: &[IVec3]) -> Self {
         let corners = (0..scene.triangles().len()).into_par_iter().with_min_len(PART);
         Self {
-            triangles: corners.map(|id| corners_of(scene, id).map_or(0, |c| light.faces_of(&c) as u8)).collect(),
+            triangles: corners.map(|id| scene.corners(id).map_or(0, |c| light.faces_of(&c) as u8)).collect(),
             receivers: receivers.par_iter().with_min_len(PART).map(|p| light.face_of(*p).map(|f| f as u8)).collect(),
         }
     }
 
-    /// The receivers of a face.
-    pub(crate) fn receivers(&self, face: u32) -> Vec<u32> {
-        let all = self.receivers.par_iter().enumerate().with_min_len(PART);
-        all.filter(|(_, of)| of.map(u32::from) == Some(face)).map(|(id, _)| id as u32).collect()
-    }
-
-    /// The triangles that may be seen through a face.
-    pub(crate) fn triangles(&self, face: u32) -> Vec<u32> {
-        let all = self.triangles.par_iter().enumerate().with_min_len(PART);
-        all.filter(|(_, faces)| **faces >> face & 1 == 1).map(|(id, _)| id as u32).collect()
+    /// What is seen through a face. `None` where no receiver is.
+    pub(crate) fn part(&self, face: u32) -> Option<Part> {
+        let receivers = self.receivers.par_iter().enumerate().with_min_len(PART);
+        let receivers = receivers.filter(|(_, of)| of.map(u32::from) == Some(face)).map(|(id, _)| id as u32);
+        let receivers: Vec<u32> = receivers.collect();
+        if receivers.is_empty() {
+            return None;
+        }
+        let triangles = self.triangles.par_iter().enumerate().with_min_len(PART);
+        let triangles = triangles.filter(|(_, faces)| **faces >> face & 1 == 1).map(|(id, _)| id as u32);
+        Some(Part { face, triangles: triangles.collect(), receivers })
     }
 }
 
-fn corners_of(scene: &Occluders, id: usize) -> Option<[IVec3; 3]> {
-    scene.corners(id)
-}
-
-/// An executor for one frame of a light.
-pub(crate) struct PunctualRun<'a> {
-    plan: &'a Plan,
-    isa: Isa,
-    precision: Precision,
-    light: Punctual,
-    frame: PunctualFrame,
-    scene: &'a Occluders,
-    points: &'a [IVec3],
-    triangles: &'a [u32],
-    receivers: &'a [u32],
-    shadows: &'a ShadowBits,
-    order: Vec<Entry>,
-    packed: PackedTriangles,
-    receiver_keys: Vec<Keys>,
-    receiver_order: Vec<Entry>,
-    pub(crate) statistics: &'a mut Statistics,
+/// What is seen through one face of a light.
+pub(crate) struct Part {
+    face: u32,
+    /// Of a scene, those that may be.
+    pub(crate) triangles: Vec<u32>,
+    /// Of all receivers, those that are.
+    pub(crate) receivers: Vec<u32>,
 }
 
 /// What is run on.
@@ -91,29 +78,29 @@ pub(crate) struct Input<'a> {
     pub(crate) isa: Isa,
     pub(crate) precision: Precision,
     pub(crate) light: Punctual,
-    pub(crate) face: u32,
     pub(crate) scene: &'a Occluders,
     pub(crate) points: &'a [IVec3],
-    /// Of `scene`, those to be looked at.
-    pub(crate) triangles: &'a [u32],
-    /// Of `points`, those that lie in the frame.
-    pub(crate) receivers: &'a [u32],
+    pub(crate) part: &'a Part,
+}
+
+/// An executor for one frame of a light.
+pub(crate) struct PunctualRun<'a> {
+    input: Input<'a>,
+    frame: PunctualFrame,
+    shadows: &'a ShadowBits,
+    order: Vec<Entry>,
+    packed: PackedTriangles,
+    receiver_keys: Vec<Keys>,
+    receiver_order: Vec<Entry>,
+    statistics: &'a mut Statistics,
 }
 
 impl<'a> PunctualRun<'a> {
     pub(crate) fn new(input: Input<'a>, shadows: &'a ShadowBits, statistics: &'a mut Statistics) -> Self {
-        let Input { plan, isa, precision, light, face, scene, points, triangles, receivers } = input;
-        let frame = light.frame(face);
+        let frame = input.light.frame(input.part.face);
         Self {
-            plan,
-            isa,
-            precision,
-            light,
+            input,
             frame,
-            scene,
-            points,
-            triangles,
-            receivers,
             shadows,
             order: Vec::new(),
             packed: PackedTriangles::default(),
@@ -125,24 +112,26 @@ impl<'a> PunctualRun<'a> {
 
     /// Codes of those that may block something.
     fn key_triangles(&mut self) {
+        let Input { light, scene, part, .. } = &self.input;
         let keys = |id: u32| {
-            let corners = corners_of(self.scene, id as usize)?;
-            self.frame.triangle_keys(&corners).filter(|_| self.light.occluder(corners).is_some())
+            let corners = scene.corners(id as usize)?;
+            self.frame.triangle_keys(&corners).filter(|_| light.occluder(corners).is_some())
         };
-        let codes = fitted(self.frame.light_frame(), self.triangles.len(), |place| keys(self.triangles[place]));
+        let triangles = &part.triangles;
+        let codes = fitted(self.frame.light_frame(), triangles.len(), |place| keys(triangles[place]));
         let entry = |id: &u32| Entry { code: keys(*id).map_or(Entry::ABSENT, |keys| code(&codes, &keys)), index: *id };
-        self.order = self.triangles.par_iter().with_min_len(PART).map(entry).collect();
+        self.order = triangles.par_iter().with_min_len(PART).map(entry).collect();
     }
 
     fn order_triangles(&mut self) {
         sort(&mut self.order);
         self.order.truncate(self.order.partition_point(|entry| entry.code != Entry::ABSENT));
-        let leaves = self.order.par_chunks(NODE);
-        self.packed = PackedTriangles::of(self.order.len(), self.plan.levels(), None, leaves, |entries, mut leaf| {
+        let (leaves, Input { plan, light, scene, .. }) = (self.order.par_chunks(NODE), &self.input);
+        self.packed = PackedTriangles::of(self.order.len(), plan.levels(), None, leaves, |entries, mut leaf| {
             for (lane, entry) in entries.iter().enumerate() {
-                let corners = corners_of(self.scene, entry.index as usize);
+                let corners = scene.corners(entry.index as usize);
                 let keys = corners.and_then(|corners| self.frame.triangle_keys(&corners));
-                let occluder = corners.and_then(|corners| self.light.occluder(corners));
+                let occluder = corners.and_then(|corners| light.occluder(corners));
                 if let (Some(keys), Some(occluder)) = (keys, occluder) {
                     leaf.put(lane, &keys, occluder);
                 }
@@ -152,16 +141,16 @@ impl<'a> PunctualRun<'a> {
     }
 
     fn key_receivers(&mut self, first: usize, count: usize) {
-        let receivers = self.receivers[first..first + count].par_iter();
-        receivers
-            .map(|id| self.frame.receiver_keys(self.points[*id as usize]))
-            .collect_into_vec(&mut self.receiver_keys);
+        let Input { points, part, .. } = &self.input;
+        let receivers = part.receivers[first..first + count].par_iter();
+        receivers.map(|id| self.frame.receiver_keys(points[*id as usize])).collect_into_vec(&mut self.receiver_keys);
     }
 
     fn resolve(&mut self, first: usize) {
+        let Input { plan, isa, precision, light, points, part, .. } = &self.input;
         let scene = PunctualScene {
-            light: self.light,
-            levels: self.plan.levels(),
+            light: *light,
+            levels: plan.levels(),
             nodes: &self.packed.nodes,
             occluders: &self.packed.occluders,
         };
@@ -170,11 +159,11 @@ impl<'a> PunctualRun<'a> {
             let mut counts = Counts::default();
             for entries in job.chunks(TILE) {
                 let mut group = PunctualGroup::default();
-                let id = |entry: &Entry| self.receivers[first + entry.index as usize] as usize;
+                let id = |entry: &Entry| part.receivers[first + entry.index as usize] as usize;
                 for (lane, entry) in entries.iter().enumerate() {
-                    group.set(lane, self.points[id(entry)], &self.receiver_keys[entry.index as usize]);
+                    group.set(lane, points[id(entry)], &self.receiver_keys[entry.index as usize]);
                 }
-                self.isa.resolve_punctual(self.precision, &scene, &mut group);
+                isa.resolve_punctual(*precision, &scene, &mut group);
                 counts = counts.plus(group.counts);
                 for (lane, entry) in entries.iter().enumerate() {
                     if group.shadowed >> lane & 1 == 1 {
@@ -199,7 +188,7 @@ impl Executor for PunctualRun<'_> {
         match pass.stage {
             Stage::KeyTriangles => self.key_triangles(),
             Stage::OrderTriangles => self.order_triangles(),
-            Stage::BuildLevel => build_level_of(self.plan.levels(), &mut self.packed.nodes, first),
+            Stage::BuildLevel => build_level_of(self.input.plan.levels(), &mut self.packed.nodes, first),
             Stage::KeyReceivers => self.key_receivers(first, count),
             Stage::OrderReceivers => {
                 let frame = self.frame.light_frame();

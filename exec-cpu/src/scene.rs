@@ -128,10 +128,11 @@ impl Occluders {
     }
 
     /// The same occluders, in an order that suits every light, and with their neighbours found: worth its while for a mesh
-    /// that serves more lights or frames than two or three. Runs then neither sort triangles nor search for neighbours.
-    /// Masks are the same.
+    /// that serves more lights or frames than two or three. Runs for lights with an area then neither sort triangles nor search
+    /// for neighbours (hard shadows are found as before). Masks are the same.
     ///
-    /// [`Occluders::vertices`] and [`Occluders::triangles`] come in another order afterwards.
+    /// [`Occluders::vertices`], [`Occluders::triangles`] and the triangles that [`Occluders::corners`] counts come in another
+    /// order afterwards.
     #[must_use]
     pub fn arranged(self) -> Self {
         let Self { mut vertices, mut triangles, arrangement } = self;

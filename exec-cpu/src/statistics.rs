@@ -2,7 +2,10 @@
 
 use std::time::Duration;
 
-use umbra4_core::{Counts, stage::Stage};
+use umbra4_core::{
+    Counts,
+    stage::{Stage, TABLE},
+};
 
 /// What a run did.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,6 +25,12 @@ impl Statistics {
     /// Seconds of all stages together.
     pub fn seconds(&self) -> f64 {
         self.seconds_by_stage.iter().map(|(_, seconds)| seconds).sum()
+    }
+
+    /// Stages in the order of the data flow, where some of it came later.
+    pub(crate) fn sort(&mut self) {
+        let place = |name: &str| TABLE.iter().position(|info| info.name == name);
+        self.seconds_by_stage.sort_by_key(|(name, _)| place(name));
     }
 
     /// Adds the time of one pass to its stage.

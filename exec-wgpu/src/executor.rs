@@ -208,6 +208,7 @@ impl WgpuExecutor {
             index: IndexKind::Hierarchy,
             jittered: light.jitter.is_some(),
             arranged: false,
+            reached: true,
             punctual: false,
         });
         let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);

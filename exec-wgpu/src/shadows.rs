@@ -243,6 +243,7 @@ impl SoftShadows {
                 index: IndexKind::Hierarchy,
                 jittered: own.light.jitter.is_some(),
                 arranged: false,
+                reached: true,
                 punctual: false,
             });
             let buffers = Buffers::fit(&mut self.scratch, &self.device, &plan, &layout, checked.vertices)?;

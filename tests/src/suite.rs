@@ -183,6 +183,7 @@ impl SerialSubject {
             index: IndexKind::Hierarchy,
             jittered: inputs.light.jitter.is_some(),
             arranged: false,
+            reached: true,
             punctual: false,
         });
         let mut masks = vec![W::EMPTY; points.len() * inputs.light.rows as usize];

@@ -94,7 +94,9 @@ fn shapes_hold_what_lies_inside() {
     }
     let star = [[0.5, 0.0], [0.8, 1.0], [0.0, 0.35], [1.0, 0.35], [0.2, 1.0]];
     assert!(!Shape::Polygon(&star).holds([0.5, 0.5]) && Shape::Polygon(&star).holds([0.5, 0.1]));
-    assert_eq!(disk.weight(0, 64), None);
+    for (row, column) in [(0, 64), (64, 0), (u32::MAX, u32::MAX), (1 << 26, 0)] {
+        assert_eq!(disk.weight(row, column), None);
+    }
 }
 
 #[test]

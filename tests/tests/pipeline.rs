@@ -188,6 +188,7 @@ fn the_serial_executor_snaps_as_the_host_does() {
             index: IndexKind::Hierarchy,
             jittered: false,
             arranged: false,
+            reached: true,
             punctual: false,
         });
         let (mut snapped_vertices, mut snapped_receivers) =

@@ -5,11 +5,13 @@ use umbra4_core::{
     Bounds, DirectionalLight, Lattice, PointLight, Punctual, PunctualLightError, SnapError,
     glam::{DVec3, IVec3},
     snap::LIMIT,
+    stage::TABLE,
 };
-use umbra4_cpu::{CpuExecutor, HardShadows, Isa};
+use umbra4_cpu::{CpuExecutor, HardShadows, Isa, Statistics};
 use umbra4_tests::{
     compare::{Amount, Compared, compare_masks},
     ledger::say,
+    meshes::Mesh,
     oracle::{hit, hit_towards},
     rng::Rng,
     scene::{REACH, Scene},
@@ -56,8 +58,8 @@ fn lights(rng: &mut Rng, scene: &Scene) -> Vec<Punctual> {
         }
     }
     let directions = directions.into_iter().map(|d| d.clamp(IVec3::splat(-LIMIT), IVec3::splat(LIMIT)));
-    let directions = directions.filter(|d| *d != IVec3::ZERO).map(Punctual::direction);
-    points.into_iter().map(Punctual::point).chain(directions).collect()
+    let directions = directions.filter_map(Punctual::direction);
+    points.into_iter().filter_map(Punctual::point).chain(directions).collect()
 }
 
 #[test]
@@ -125,19 +127,69 @@ fn directions_are_far_points() {
 fn only_faces_with_receivers_are_looked_at() {
     let mut rng = Rng::named(0, "faces");
     let mut scene = GENERATORS[0].1(&mut rng, SampleGrid::regular(4, 4));
-    let light = Punctual::point(IVec3::ZERO);
-    scene.receivers = vec![IVec3::new(0, -REACH, 0)];
-    let inputs = scene.inputs(0);
-    let executor = CpuExecutor::new();
-    let (_, statistics) =
-        executor.hard_shadows(&inputs.occluders, &light, &inputs.receivers).expect("threads can be started");
-    // One group, which looks at no more triangles than there are.
-    assert!(statistics.counts.pairs_tested <= scene.mesh.triangles.len() as u64, "{statistics:?}");
-    scene.receivers.clear();
-    let inputs = scene.inputs(0);
-    let (shadows, statistics) =
-        executor.hard_shadows(&inputs.occluders, &light, &inputs.receivers).expect("threads can be started");
-    assert!(shadows.is_empty() && statistics.seconds_by_stage.is_empty(), "{statistics:?}");
+    let light = Punctual::point(IVec3::ZERO).expect("the middle of the lattice");
+    let run = |scene: &Scene| {
+        let inputs = scene.inputs(0);
+        let found = CpuExecutor::new().hard_shadows(&inputs.occluders, &light, &inputs.receivers);
+        found.expect("nothing can fail")
+    };
+    // All triangles lie above the light, as do the receivers of one of the faces.
+    let size = 1 << 20;
+    for vertex in &mut scene.mesh.vertices {
+        *vertex = IVec3::new(vertex.x % size, 2 * size + vertex.y.abs() % size, vertex.z % size);
+    }
+    scene.receivers = (0..64).map(|_| IVec3::new(rng.around(size), -2 * size, rng.around(size))).collect();
+    let (shadows, statistics) = run(&scene);
+    assert_eq!((shadows.count(), statistics.counts.pairs_tested), (0, 0), "{statistics:?}");
+    let ordered = |statistics: &Statistics| statistics.seconds_by_stage.iter().any(|(n, _)| *n == "order_triangles");
+    assert!(!ordered(&statistics), "{statistics:?}");
+    scene.receivers.push(IVec3::new(0, 8 * size, 0));
+    let (_, statistics) = run(&scene);
+    assert!(statistics.counts.pairs_tested > 0 && ordered(&statistics), "{statistics:?}");
+    let places: Vec<_> =
+        TABLE.iter().filter_map(|info| statistics.seconds_by_stage.iter().position(|(n, _)| *n == info.name)).collect();
+    assert!(places.is_sorted() && places.len() == statistics.seconds_by_stage.len(), "{statistics:?}");
+    scene.receivers = vec![IVec3::ZERO];
+    let (shadows, statistics) = run(&scene);
+    assert!(shadows.count() == 0 && statistics.seconds_by_stage.is_empty(), "{statistics:?}");
+}
+
+/// Directions all but along an axis, whose perpendiculars floats get wrong: rays through a corner of a triangle that lies on one
+/// side of them.
+#[test]
+fn directions_beside_an_axis() {
+    let mut rng = Rng::named(0, "beside an axis");
+    let (mut blocked, mut cases) = (0, 0);
+    for axis in 0..3 {
+        for _ in 0..400 {
+            let mut towards = [0; 3];
+            towards[axis] = if rng.one_in(2) { LIMIT } else { -LIMIT };
+            let tilt = 1 << rng.below(16);
+            towards[(axis + 1 + rng.below(2)) % 3] = rng.around(tilt);
+            let towards = IVec3::from_array(towards);
+            let light = Punctual::direction(towards).expect("a direction");
+            // A corner on the ray, as far away as the lattice is large.
+            let mut p = [rng.around(3), rng.around(3), rng.around(1)];
+            p[axis] = -towards[axis].signum() * (4000 + rng.below(1000) as i32);
+            let p = IVec3::from_array(p);
+            let corner = p + towards;
+            let mut side = || IVec3::new(rng.around(200), rng.around(2000), rng.around(200));
+            let triangle = [corner, corner + side(), corner + side()];
+            let mesh = Mesh { vertices: triangle.to_vec(), triangles: vec![[0, 1, 2]] };
+            let light_of_area = GENERATORS[0].1(&mut Rng::named(0, "a light"), SampleGrid::regular(1, 1)).light;
+            let scene = Scene { light: light_of_area, receivers: vec![p, p + IVec3::X, p - IVec3::Z], mesh };
+            let inputs = scene.inputs(0);
+            let expected = oracle(light, inputs.receivers.points(), &inputs.triangles());
+            let (shadows, _) = CpuExecutor::new()
+                .hard_shadows(&inputs.occluders, &light, &inputs.receivers)
+                .expect("nothing can fail");
+            compare_masks(&expected, &bits(&shadows), 1, 1, Amount::Some)
+                .unwrap_or_else(|error| panic!("{towards}, {p}, {triangle:?}: {error}"));
+            blocked += expected.iter().sum::<u64>();
+            cases += 1;
+        }
+    }
+    assert!(blocked > cases / 20 && blocked < 2 * cases, "{blocked} of {cases} cases");
 }
 
 #[test]
@@ -156,9 +208,15 @@ fn bad_lights_are_refused() {
     assert!(matches!(outside, PunctualLightError::Position(SnapError::OutOfRange { axis: 'z', .. })));
     let nowhere = DirectionalLight { towards: DVec3::ZERO }.snap().expect_err("no direction");
     assert!(nowhere.to_string().contains("[0, 0, 0]"), "{nowhere}");
+    for outside in [IVec3::MAX, IVec3::MIN, IVec3::new(0, LIMIT, 0), IVec3::new(0, 0, -LIMIT)] {
+        assert_eq!(Punctual::point(outside), None);
+    }
+    for nowhere in [IVec3::ZERO, IVec3::MAX, IVec3::MIN, IVec3::new(LIMIT + 1, 0, 0)] {
+        assert_eq!(Punctual::direction(nowhere), None);
+    }
     // Neither tiny nor huge directions lose anything.
     for scale in [1.0, 1e-300, 1e300] {
         let sun = DirectionalLight { towards: DVec3::new(-3.0, 1.5, 0.0) * scale }.snap().expect("finite");
-        assert_eq!(sun, Punctual::direction(IVec3::new(-LIMIT, LIMIT / 2, 0)));
+        assert_eq!(Some(sun), Punctual::direction(IVec3::new(-LIMIT, LIMIT / 2, 0)));
     }
 }

@@ -218,6 +218,7 @@ fn every_kernel_alone(gpu: &Gpu, generator: usize) -> Result<(), Failed> {
             index: IndexKind::Hierarchy,
             jittered,
             arranged: false,
+            reached: true,
             punctual: false,
         });
         let mut lockstep = Lockstep::new(&plan, layout, &inputs, &mut device);

@@ -59,7 +59,7 @@ pub(super) struct Line {
     pub(super) mesh: &'static str,
     pub(super) receivers: usize,
     pub(super) times: Times,
-    /// Pairs of a receiver and a triangle that blocks a sample of it, all of them.
+    /// Pairs of a receiver and a triangle that blocks a sample of it; of receivers in full shadow, those met until then.
     pub(super) relevant: u64,
     /// Seconds of the rows of those pairs, on one thread.
     pub(super) floor: f64,

@@ -11,6 +11,7 @@ use crate::error::ProgramError;
 const EXAMPLE: SceneFacts = SceneFacts {
     jittered: false,
     arranged: false,
+    reached: true,
     punctual: false,
     new_vertices: 0,
     triangles: 100_000,

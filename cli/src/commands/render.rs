@@ -6,7 +6,7 @@ use umbra4_core::{Bounds, Jitter, Lattice, Lift, glam::Vec3};
 use umbra4_cpu::{Occluders, Receivers};
 
 use crate::{
-    args::{RenderArgs, View},
+    args::{ExecutorArg, RenderArgs, View},
     error::ProgramError,
     executor::AnyExecutor,
     frames::Frames,
@@ -22,10 +22,7 @@ const STAGES: u64 = 6;
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     let format = PictureFormat::of(&args.output)?;
-    if args.hard_light().is_some() && args.view == View::Pairs {
-        return Err(ProgramError::AreaOnly { option: "--view pairs" });
-    }
-    let executor = AnyExecutor::new(&args.work)?;
+    let executor = executor_for(args)?;
     let (width, height) = args.scene.pixels();
     let fine = |pixels: u32| pixels * args.oversample;
     scene::check_pixels(fine(width), fine(height))?;
@@ -57,16 +54,15 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     })?;
 
     let (mut visibility, mut pairs) = (Vec::new(), Vec::new());
-    let (runs, statistics) = match &emitter {
-        Emitter::Hard(light) => {
+    let (runs, statistics) = match (&emitter, frames) {
+        (Emitter::Hard(light), _) => {
             let light = light.snap(&lattice)?;
             let statistics;
             (visibility, statistics) =
                 stages.run("shadows", || executor.hard_visibility(&occluders, &light, &receivers))?;
             (1, statistics)
         }
-        Emitter::Area(area) if args.view != View::Pairs && frames.is_some() => {
-            let count = frames.unwrap_or(1);
+        (Emitter::Area(area), Some(count)) if args.view != View::Pairs => {
             let mut frames = Frames::new(&executor, &lattice, *area, &occluders, &receivers);
             stages.expect(u64::from(count) - 1);
             for frame in 1..=count {
@@ -75,7 +71,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
             visibility = frames.visibility();
             (count as usize, frames.report)
         }
-        Emitter::Area(area) => {
+        (Emitter::Area(area), _) => {
             let light = area.snap(&lattice, Lift::F32_POSITIONS)?;
             let snapped = (&occluders, &light, &receivers);
             let statistics;
@@ -125,6 +121,23 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     }
     writeln!(out, "wrote {}", args.output.display())?;
     Ok(())
+}
+
+/// The executor that is asked for: lights without extent are the processor's.
+fn executor_for(args: &RenderArgs) -> Result<AnyExecutor, ProgramError> {
+    let mut work = args.work.clone();
+    if args.hard_light().is_some() {
+        let refused = match work.executor {
+            _ if args.view == View::Pairs => Some("--view pairs"),
+            ExecutorArg::Gpu => Some("--executor gpu"),
+            ExecutorArg::Auto | ExecutorArg::Cpu => None,
+        };
+        if let Some(option) = refused {
+            return Err(ProgramError::AreaOnly { option });
+        }
+        work.executor = ExecutorArg::Cpu;
+    }
+    AnyExecutor::new(&work)
 }
 
 /// Samples, and frames of jittered ones.

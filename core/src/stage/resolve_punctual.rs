@@ -85,8 +85,9 @@ pub fn resolve_punctual<L: Lanes, P: PrecisionMode>(scene: &PunctualScene<'_>, g
                 continue;
             }
             group.counts.pairs_kept += kept.count_ones() as Tally;
-            let fallbacks = &mut group.counts.fallbacks;
-            let blocked = punctual::blocked::<L, P>(scene.light, &offsets, &group.receivers, occluder, kept, fallbacks);
+            let (light, corners, fallbacks) = (scene.light, occluder.corners(), &mut group.counts.fallbacks);
+            let rule = |p| punctual::blocks(light, p, corners);
+            let blocked = punctual::blocked::<L, P>(light, &offsets, &group.receivers, occluder, kept, fallbacks, rule);
             group.counts.pairs_relevant += blocked.count_ones() as Tally;
             group.shadowed |= blocked;
             group.active &= !blocked;
