@@ -11,6 +11,9 @@ use umbra4_tests::{
 /// A random scene of which all receivers lie in the light's plane or behind it; or only all but one.
 fn behind(rng: &mut Rng, all: bool) -> Inputs {
     let mut scene = GENERATORS[0].1(rng, SampleGrid::regular(8, 8));
+    while scene.mesh.triangles.is_empty() {
+        scene = GENERATORS[0].1(rng, SampleGrid::regular(8, 8));
+    }
     let LatticeLight { origin, step_u, step_v, .. } = scene.light;
     let steps = [IVec3::ZERO, step_u, -step_v, step_u * 2 + step_v];
     scene.receivers = steps.iter().map(|step| origin + *step).collect();
