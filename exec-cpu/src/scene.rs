@@ -128,7 +128,7 @@ impl Occluders {
     }
 
     /// The same occluders, in an order that suits every light, and with their neighbours found: worth its while for a mesh
-    /// that serves more lights or frames than two or three. Runs for lights with an area then neither sort triangles nor search
+    /// that serves many lights or frames. Runs for lights with an area then neither sort triangles nor search
     /// for neighbours (hard shadows are found as before). Masks are the same.
     ///
     /// [`Occluders::vertices`], [`Occluders::triangles`] and the triangles that [`Occluders::corners`] counts come in another
