@@ -132,7 +132,7 @@ pub struct MasksArgs {
     #[arg(long, value_name = "N")]
     pub samples: u32,
     /// Jitter the light samples by the pattern of this number [default: regular samples]
-    #[arg(long, value_name = "PATTERN", value_parser = clap::value_parser!(u32).range(0..1 << 31))]
+    #[arg(long, value_name = "PATTERN", value_parser = clap::value_parser!(u32).range(0..1 << 30))]
     pub jitter: Option<u32>,
     /// Masks: uint16, uint32 or uint64 of shape (R, N), bit j of row i set where sample (i, j) is blocked
     #[arg(short, long, value_name = "MASKS.npy")]

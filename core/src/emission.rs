@@ -152,6 +152,11 @@ impl<S: AsRef<[Weight]>> Emission<S> {
         self.weights.as_ref().get((row * self.columns + column) as usize).copied()
     }
 
+    /// All weights, row by row.
+    pub fn weights(&self) -> &[Weight] {
+        self.weights.as_ref()
+    }
+
     /// The sum of all weights.
     pub fn total(&self) -> [u32; 3] {
         self.total
@@ -160,8 +165,19 @@ impl<S: AsRef<[Weight]>> Emission<S> {
     /// The sum of the weights of lit samples, from the rows of a mask: below 2^28.
     #[inline]
     pub fn lit<W: MaskWord>(&self, rows: &[W]) -> [u32; 3] {
+        self.lit_of(rows.iter())
+    }
+
+    /// The same from a mask of [`LatticeLight::back`](crate::LatticeLight::back), whose rows come in reverse order.
+    #[inline]
+    pub fn lit_of_back<W: MaskWord>(&self, rows: &[W]) -> [u32; 3] {
+        self.lit_of(rows.iter().rev())
+    }
+
+    #[inline]
+    fn lit_of<'a, W: MaskWord + 'a>(&self, rows: impl Iterator<Item = &'a W>) -> [u32; 3] {
         let (mut sum, all) = ([0; 3], W::below(self.columns));
-        for (row, weights) in rows.iter().zip(self.weights.as_ref().chunks(self.columns as usize)) {
+        for (row, weights) in rows.zip(self.weights.as_ref().chunks(self.columns as usize)) {
             let mut lit = all.without(*row);
             while lit != W::EMPTY {
                 let column = lit.lowest();
@@ -214,7 +230,8 @@ impl<S: AsRef<[Weight]> + AsMut<[Weight]>> Emission<S> {
     /// Of a shape: samples emit where the middle of their cell belongs to it. What `room` holds is not looked at.
     ///
     /// # Errors
-    /// Rows or columns outside `1..=64`; room for another number of weights; a corner that is not finite; a shape that holds no sample.
+    /// Rows or columns outside `1..=64`; room for another number of weights; a corner that is not finite; a shape that holds no
+    /// sample.
     pub fn shaped(rows: u32, columns: u32, mut room: S, shape: Shape<'_>) -> Result<Self, EmissionError> {
         check("weights", room.as_ref().len(), rows, columns)?;
         if let Shape::Polygon(corners) = shape {

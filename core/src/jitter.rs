@@ -36,14 +36,26 @@ impl Jitter {
     /// Regular samples, at the middle of their cells.
     pub const NONE: Self = Self(0);
 
-    /// Pattern `number`, modulo 2^31.
+    /// Pattern `number`, modulo 2^30.
     pub const fn pattern(number: u32) -> Self {
-        Self(number << 1 | 1)
+        Self(number << 2 | 1)
     }
 
     /// The pattern's number; `None` for regular samples.
     pub const fn number(self) -> Option<u32> {
-        if self.is_some() { Some(self.0 >> 1) } else { None }
+        if self.is_some() { Some(self.0 >> 2) } else { None }
+    }
+
+    /// The same pattern with its rows in reverse order, places within them too; of regular samples, those.
+    #[must_use]
+    pub const fn reversed(self) -> Self {
+        if self.is_some() { Self(self.0 ^ 2) } else { self }
+    }
+
+    /// Whether rows come in reverse order.
+    #[cfg(not(target_arch = "spirv"))]
+    const fn is_reversed(self) -> bool {
+        self.0 & 2 != 0
     }
 
     /// Whether samples are jittered.
@@ -171,8 +183,26 @@ impl Pattern {
             let turns = [frame.reverse_bits() >> (u32::BITS - PLACE_BITS), frame * 13 % PLACES];
             write_shifts(&mut pattern.rows, light.rows, turns[0], 2 * set);
             write_shifts(&mut pattern.columns, light.columns, turns[1], 2 * set + 1);
+            if light.jitter.is_reversed() {
+                pattern.reverse_rows(light);
+            }
         }
         pattern
+    }
+}
+
+#[cfg(not(target_arch = "spirv"))]
+impl Pattern {
+    /// Turns the light's rows around: sample (i, j) of what results is (rows − 1 − i, j), its place counted from the other end.
+    fn reverse_rows(&mut self, light: &LatticeLight) {
+        let rows = self.rows.as_flattened_mut();
+        let count = rows.len().min(light.rows as usize);
+        if let Some(rows) = rows.get_mut(..count) {
+            rows.reverse();
+        }
+        for shift in self.columns.as_flattened_mut().iter_mut().take(light.columns as usize) {
+            *shift = LAST_PLACE - *shift;
+        }
     }
 }
 

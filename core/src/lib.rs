@@ -30,6 +30,7 @@ pub mod params;
 pub mod precision;
 pub mod proj4;
 pub mod punctual;
+pub mod punctual_frame;
 pub mod ratio;
 pub mod real;
 pub mod row_mask;
@@ -45,6 +46,8 @@ pub mod wide;
 // What only the host does: no kernel reaches it.
 #[cfg(not(target_arch = "spirv"))]
 pub mod accumulate;
+#[cfg(not(target_arch = "spirv"))]
+pub mod any_light;
 #[cfg(not(target_arch = "spirv"))]
 pub mod area_light;
 #[cfg(not(target_arch = "spirv"))]
@@ -68,8 +71,6 @@ pub mod lattice;
 #[cfg(not(target_arch = "spirv"))]
 pub mod plan;
 #[cfg(not(target_arch = "spirv"))]
-pub mod punctual_frame;
-#[cfg(not(target_arch = "spirv"))]
 pub mod punctual_light;
 #[cfg(not(target_arch = "spirv"))]
 pub mod serial;
@@ -87,6 +88,8 @@ pub use punctual::Punctual;
 pub use statistics::Counts;
 pub use surface::Lift;
 
+#[cfg(not(target_arch = "spirv"))]
+pub use any_light::AnyLight;
 #[cfg(not(target_arch = "spirv"))]
 pub use area_light::{AreaLight, LightError};
 #[cfg(not(target_arch = "spirv"))]

@@ -45,6 +45,25 @@ impl LatticeLight {
         fine.origin + fine.step_v * place.fine_row + fine.step_u * place.fine_column
     }
 
+    /// The light's other side: the same samples, in rows that come in reverse order, shining the other way. A light that shines
+    /// to both sides is itself and its back: no receiver lies before both.
+    ///
+    /// ```
+    /// use umbra4_core::{Jitter, LatticeLight, glam::IVec3};
+    ///
+    /// let (step_u, step_v) = (IVec3::X * 1024, IVec3::Y * 2048);
+    /// let light = LatticeLight { origin: IVec3::ZERO, step_u, step_v, rows: 8, columns: 5, jitter: Jitter::pattern(3) };
+    /// assert_eq!(light.back().sample(1, 4), light.sample(6, 4));
+    /// assert_eq!(light.back().back(), light);
+    /// ```
+    #[cfg(not(target_arch = "spirv"))]
+    #[must_use]
+    pub fn back(&self) -> Self {
+        let fine = self.fine();
+        let origin = fine.origin + fine.step_v * (fine.rows as i32 - 1);
+        Self { origin, step_v: -self.step_v, jitter: self.jitter.reversed(), ..*self }
+    }
+
     /// Whether any of these points lies before the light.
     #[cfg(not(target_arch = "spirv"))]
     pub fn reaches(&self, points: &[IVec3]) -> bool {

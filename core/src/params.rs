@@ -13,6 +13,8 @@ use crate::{
     jitter::{Jitter, Pattern},
     light::LatticeLight,
     order::CodeFrame,
+    punctual::Punctual,
+    punctual_frame::PunctualFrame,
 };
 
 /// Parameters of a kernel. They say how ids are laid out.
@@ -103,7 +105,11 @@ impl Params {
     /// What a light's passes share. `codes` decides the order of triangles and receivers, never a bit.
     #[cfg(not(target_arch = "spirv"))]
     pub fn new(grid: &LightGrid, codes: &CodeFrame, levels: &Levels) -> Self {
-        let (light, frame) = (&grid.light, &grid.frame);
+        Self::of(&grid.light, &grid.frame, grid.skew, codes, levels)
+    }
+
+    #[cfg(not(target_arch = "spirv"))]
+    fn of(light: &LatticeLight, frame: &LightFrame, skew: f32, codes: &CodeFrame, levels: &Levels) -> Self {
         let mut words = [UVec4::ZERO; 3];
         for (word, value) in words.iter_mut().flat_map(|v| v.as_mut()).zip(levels.words()) {
             *word = value;
@@ -112,7 +118,7 @@ impl Params {
             origin: light.origin.extend(light.rows as i32),
             step_u: light.step_u.extend(light.columns as i32),
             step_v: light.step_v.extend(light.jitter.code() as i32),
-            along_u: frame.along_u.extend(grid.skew),
+            along_u: frame.along_u.extend(skew),
             along_v: frame.along_v.extend(0.0),
             normal: frame.normal.extend(0.0),
             scale: Vec4::new(frame.scale[0], frame.scale[1], 0.0, 0.0),
@@ -207,6 +213,78 @@ pub struct JitteredParams {
 }
 
 impl Dispatched for JitteredParams {
+    #[inline(always)]
+    fn count(&self) -> u32 {
+        self.params.count()
+    }
+
+    #[inline(always)]
+    fn row(&self) -> u32 {
+        self.params.row()
+    }
+
+    fn with_row(mut self, row: u32) -> Self {
+        self.params = self.params.with_row(row);
+        self
+    }
+}
+
+/// [`Params`] of one frame of a light without extent.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct PunctualParams {
+    /// The frame, as that of a light with one sample, and the pass.
+    pub params: Params,
+    /// Where the light is, and one more than its face; or the vector towards it, and 0.
+    light: IVec4,
+}
+
+impl PunctualParams {
+    /// What the passes of a frame, `face < light.faces()`, share.
+    #[cfg(not(target_arch = "spirv"))]
+    pub fn new(light: &Punctual, face: u32, codes: &CodeFrame, levels: &Levels) -> Self {
+        let frame = *light.frame(face).light_frame();
+        let sample = LatticeLight {
+            origin: frame.origin,
+            step_u: IVec3::ZERO,
+            step_v: IVec3::ZERO,
+            rows: 1,
+            columns: 1,
+            jitter: Jitter::NONE,
+        };
+        let (at, face) = match (light.position(), light.towards()) {
+            (None, Some(towards)) => (towards, 0),
+            (position, _) => (position.unwrap_or(IVec3::ZERO), face as i32 + 1),
+        };
+        Self { params: Params::of(&sample, &frame, 0.0, codes, levels), light: at.extend(face) }
+    }
+
+    /// The same for one pass.
+    #[must_use]
+    pub fn with_pass(self, pass: &PassParams) -> Self {
+        Self { params: self.params.with_pass(pass), ..self }
+    }
+
+    /// The light.
+    #[inline(always)]
+    pub fn light(&self) -> Punctual {
+        if self.light.w > 0 { Punctual::at_sample(three(self.light)) } else { Punctual::from_afar(three(self.light)) }
+    }
+
+    /// Which of the light's frames it is.
+    #[inline(always)]
+    pub fn face(&self) -> u32 {
+        if self.light.w > 0 { self.light.w as u32 - 1 } else { 0 }
+    }
+
+    /// The frame.
+    #[inline(always)]
+    pub fn frame(&self) -> PunctualFrame {
+        PunctualFrame::of(self.params.frame(), self.light.w <= 0)
+    }
+}
+
+impl Dispatched for PunctualParams {
     #[inline(always)]
     fn count(&self) -> u32 {
         self.params.count()

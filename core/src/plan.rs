@@ -148,7 +148,8 @@ impl Plan {
             once(Stage::Reduce, if facts.visibility && !facts.punctual { count } else { 0 }, first)?;
             first += count;
         }
-        Ok(())
+        // The masks of all receivers, of a bit each, are kept: a light may have several frames.
+        once(Stage::Reduce, if facts.visibility && facts.punctual { facts.receivers } else { 0 }, 0)
     }
 
     /// How triangles and receivers are paired: before a light without extent, always by the hierarchy.
@@ -167,7 +168,7 @@ impl Plan {
             Stage::SnapVertices => (true, "new vertices"),
             Stage::SnapReceivers if !facts.world_receivers => (false, "the receivers are on the lattice already"),
             Stage::SnapReceivers => (true, "receivers in world space"),
-            Stage::Resolve | Stage::FindSilhouette | Stage::Reduce if facts.punctual => {
+            Stage::Resolve | Stage::FindSilhouette if facts.punctual => {
                 (false, "the light has no extent: a mask is one bit")
             }
             Stage::ResolvePunctual if !facts.punctual => (false, "the light has an area"),

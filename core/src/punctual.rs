@@ -50,20 +50,29 @@ impl Punctual {
     pub const fn direction(towards: IVec3) -> Option<Self> {
         let somewhere = towards.x != 0 || towards.y != 0 || towards.z != 0;
         let inside = is_within(towards.x, LIMIT) && is_within(towards.y, LIMIT) && is_within(towards.z, LIMIT);
-        if somewhere && inside { Some(Self { at: towards, is_point: false }) } else { None }
+        if somewhere && inside { Some(Self::from_afar(towards)) } else { None }
+    }
+
+    /// From a direction that is known to be one.
+    #[inline(always)]
+    pub(crate) const fn from_afar(towards: IVec3) -> Self {
+        Self { at: towards, is_point: false }
     }
 
     /// At a sample of a light, which is on the lattice.
+    #[inline(always)]
     pub(crate) const fn at_sample(at: IVec3) -> Self {
         Self { at, is_point: true }
     }
 
     /// Where a point light is, lattice.
+    #[inline(always)]
     pub const fn position(&self) -> Option<IVec3> {
         if self.is_point { Some(self.at) } else { None }
     }
 
     /// The vector towards a light that is infinitely far away.
+    #[inline(always)]
     pub const fn towards(&self) -> Option<IVec3> {
         if self.is_point { None } else { Some(self.at) }
     }
@@ -109,11 +118,14 @@ const fn is_within(x: i32, most: i32) -> bool {
 
 /// Whether the triangle blocks the light from p: the rule as it stands above.
 pub fn blocks(light: Punctual, p: IVec3, triangle: [IVec3; 3]) -> bool {
-    let [a, b, c] = triangle;
     let (side, toward) = (exact::far_side::<Wide>(p, triangle), light.seen_from(p));
-    let inside =
-        |from: IVec3, to: IVec3| exact::dot::<Wide>(exact::cross(from - p, to - from), toward).sign() * side >= 0;
-    side != 0 && light.side(triangle) == side && inside(a, b) && inside(b, c) && inside(c, a)
+    let (mut blocks, mut k) = (side != 0 && light.side(triangle) == side, 0);
+    while blocks && k < 3 {
+        let (from, to) = (triangle[k], triangle[(k + 1) % 3]);
+        blocks = exact::dot::<Wide>(exact::cross(from - p, to - from), toward).sign() * side >= 0;
+        k += 1;
+    }
+    blocks
 }
 
 /// The planes through the light and the edges of a triangle that faces it, and the triangle's own: positive before what is in

@@ -8,12 +8,12 @@ use glam::IVec3;
 
 use crate::{
     frame::LightFrame,
-    jitter::Jitter,
     lanes::Lanes,
-    light::LatticeLight,
     proj4::{self, Keys},
     punctual::Punctual,
 };
+#[cfg(not(target_arch = "spirv"))]
+use crate::{jitter::Jitter, light::LatticeLight};
 
 /// Most frames of a light.
 pub const MAX_FACES: u32 = 6;
@@ -25,10 +25,15 @@ pub struct PunctualFrame {
     parallel: bool,
 }
 
-/// The axis of a face's normal, whether the face lies on the negative side, and the two other axes.
-fn axes_of(face: u32) -> (usize, bool, [usize; 2]) {
-    let axis = face as usize / 2 % 3;
-    (axis, face % 2 == 1, [(axis + 1) % 3, (axis + 2) % 3])
+/// A vector along a face's normal, and along the two axes that follow.
+#[inline(always)]
+fn in_face(face: u32, v: IVec3) -> [i32; 3] {
+    let [along, u, w] = match face / 2 {
+        0 => [v.x, v.y, v.z],
+        1 => [v.y, v.z, v.x],
+        _ => [v.z, v.x, v.y],
+    };
+    [if face % 2 == 1 { -along } else { along }, u, w]
 }
 
 impl Punctual {
@@ -38,17 +43,21 @@ impl Punctual {
     }
 
     /// The frame `face < faces()`.
+    #[cfg(not(target_arch = "spirv"))]
     pub fn frame(&self, face: u32) -> PunctualFrame {
         match (self.position(), self.towards()) {
-            (None, Some(towards)) => PunctualFrame { frame: LightFrame::parallel(towards), parallel: true },
+            (None, Some(towards)) => PunctualFrame::of(LightFrame::parallel(towards), true),
             (position, _) => {
-                let (_, negative, [u, v]) = axes_of(face);
-                let [u, v] = [IVec3::AXES[u], IVec3::AXES[v]];
                 // The light of a face shines towards `step_u × step_v`.
-                let [step_u, step_v] = if negative { [v, u] } else { [u, v] };
+                let [u, v] = match face / 2 {
+                    0 => [IVec3::Y, IVec3::Z],
+                    1 => [IVec3::Z, IVec3::X],
+                    _ => [IVec3::X, IVec3::Y],
+                };
+                let [step_u, step_v] = if face % 2 == 1 { [v, u] } else { [u, v] };
                 let origin = position.unwrap_or(IVec3::ZERO);
                 let light = LatticeLight { origin, step_u, step_v, rows: 1, columns: 1, jitter: Jitter::NONE };
-                PunctualFrame { frame: LightFrame::new(&light), parallel: false }
+                PunctualFrame::of(LightFrame::new(&light), false)
             }
         }
     }
@@ -56,39 +65,54 @@ impl Punctual {
     /// The face that a receiver lies in. `None` where the light is: nothing can lie between.
     pub fn face_of(&self, p: IVec3) -> Option<u32> {
         let Some(position) = self.position() else { return Some(0) };
-        let away = (p - position).to_array();
-        let size = away.map(i32::unsigned_abs);
-        let axis = if size[0] >= size[1] && size[0] >= size[2] {
-            0
-        } else if size[1] >= size[2] {
-            1
+        let away = p - position;
+        let size = away.abs();
+        let (axis, height) = if size.x >= size.y && size.x >= size.z {
+            (0, away.x)
+        } else if size.y >= size.z {
+            (1, away.y)
         } else {
-            2
+            (2, away.z)
         };
-        if size[axis] == 0 { None } else { Some(2 * axis as u32 + u32::from(away[axis] < 0)) }
+        if height == 0 { None } else { Some(2 * axis + (height < 0) as u32) }
     }
 
     /// The faces whose pyramids a triangle may reach into: bit f is face f.
+    #[inline]
     pub fn faces_of(&self, corners: &[IVec3; 3]) -> u32 {
-        let Some(position) = self.position() else { return 1 };
-        let corners = corners.map(|corner| (corner - position).to_array());
-        let mut faces = 0;
-        for face in 0..MAX_FACES {
-            let (axis, negative, others) = axes_of(face);
-            let height = |p: &[i32; 3]| if negative { -p[axis] } else { p[axis] };
-            let outside = all(&corners, |p| height(p) <= 0)
-                || others.iter().any(|&o| all(&corners, |p| p[o] > height(p)) || all(&corners, |p| -p[o] > height(p)));
-            faces |= u32::from(!outside) << face;
+        let (mut faces, mut face) = (0, 0);
+        while face < self.faces() {
+            faces |= (self.is_seen_through(face, corners) as u32) << face;
+            face += 1;
         }
         faces
     }
-}
 
-fn all(corners: &[[i32; 3]; 3], holds: impl Fn(&[i32; 3]) -> bool) -> bool {
-    holds(&corners[0]) && holds(&corners[1]) && holds(&corners[2])
+    /// Whether a triangle may reach into the pyramid of a face.
+    #[inline(always)]
+    pub fn is_seen_through(&self, face: u32, corners: &[IVec3; 3]) -> bool {
+        let Some(position) = self.position() else { return true };
+        // The five planes of which all corners lie on the outer side.
+        let (mut outside, mut k) = (0x1f, 0);
+        while k < 3 {
+            let [height, u, v] = in_face(face, corners[k] - position);
+            outside &= (height <= 0) as u32
+                | ((u > height) as u32) << 1
+                | ((-u > height) as u32) << 2
+                | ((v > height) as u32) << 3
+                | ((-v > height) as u32) << 4;
+            k += 1;
+        }
+        outside == 0
+    }
 }
 
 impl PunctualFrame {
+    /// Of a light's frame; `parallel`: the light is a direction.
+    pub(crate) fn of(frame: LightFrame, parallel: bool) -> Self {
+        Self { frame, parallel }
+    }
+
     /// The light's frame itself.
     pub fn light_frame(&self) -> &LightFrame {
         &self.frame
@@ -100,10 +124,11 @@ impl PunctualFrame {
         if !self.parallel {
             return proj4::triangle_keys(&self.frame, corners);
         }
-        let [a, b, c] = corners.map(|corner| self.along(corner, 1.0));
-        let mut keys = a;
-        for (k, key) in keys.iter_mut().enumerate() {
-            *key = Lanes::max(*key, Lanes::max(b[k], c[k]));
+        let (mut keys, b, c) = (self.along(corners[0], 1.0), self.along(corners[1], 1.0), self.along(corners[2], 1.0));
+        let mut k = 0;
+        while k < keys.len() {
+            keys[k] = Lanes::max(keys[k], Lanes::max(b[k], c[k]));
+            k += 1;
         }
         Some(keys)
     }

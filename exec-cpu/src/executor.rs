@@ -67,6 +67,14 @@ pub enum ExecutorError {
         /// Rows and columns of the light.
         light: [u32; 2],
     },
+    /// One of many lights is refused.
+    #[error("lights[{index}]: {source}")]
+    Light {
+        /// Its place among them.
+        index: usize,
+        /// Why.
+        source: Box<ExecutorError>,
+    },
     /// The lists of the grid's cells would not fit the memory.
     #[error("the cells of the grid hold {entries} {field}, too many for the memory: use fewer cells or receivers")]
     GridTooLarge {
@@ -229,11 +237,16 @@ impl CpuExecutor {
         receivers: &Receivers,
         emission: &Emission<S>,
     ) -> Result<(Vec<[u32; 3]>, Statistics), ExecutorError> {
-        let size = [light.rows, light.columns];
-        if emission.size() != size {
-            return Err(ExecutorError::EmissionSize { emission: emission.size(), light: size });
-        }
+        Self::check_emission(light, emission)?;
         self.per_receiver(occluders, light, receivers, emission)
+    }
+
+    pub(crate) fn check_emission<S: AsRef<[Weight]>>(
+        light: &LatticeLight,
+        emission: &Emission<S>,
+    ) -> Result<(), ExecutorError> {
+        let (emission, light) = (emission.size(), [light.rows, light.columns]);
+        if emission == light { Ok(()) } else { Err(ExecutorError::EmissionSize { emission, light }) }
     }
 
     /// The lit samples of every receiver, `0..=light.sample_count()`: what [`umbra4_core::accumulate`] adds up over frames.
@@ -345,7 +358,7 @@ impl CpuExecutor {
     }
 
     /// What `reduction` makes of every mask, in the order of the receivers.
-    fn per_receiver<R: Reduction>(
+    pub(crate) fn per_receiver<R: Reduction>(
         &self,
         occluders: &Occluders,
         light: &LatticeLight,

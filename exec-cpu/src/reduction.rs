@@ -54,6 +54,17 @@ impl Reduction for Pairs {
     }
 }
 
+/// Sums of the weights of lit samples, from masks of the back of the light that the emission is of.
+pub(crate) struct OfBack<'a, S>(pub(crate) &'a Emission<S>);
+
+impl<S: AsRef<[Weight]> + Sync> Reduction for OfBack<'_, S> {
+    type Value = [u32; 3];
+
+    fn of<W: MaskWord>(&self, answer: &Answer<'_, W>) -> [u32; 3] {
+        if answer.lit { self.0.total() } else { self.0.lit_of_back(answer.rows) }
+    }
+}
+
 /// Sums of the weights of lit samples.
 impl<S: AsRef<[Weight]> + Sync> Reduction for &Emission<S> {
     type Value = [u32; 3];

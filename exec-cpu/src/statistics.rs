@@ -27,6 +27,15 @@ impl Statistics {
         self.seconds_by_stage.iter().map(|(_, seconds)| seconds).sum()
     }
 
+    /// Adds what another run did.
+    pub(crate) fn include(&mut self, other: &Self) {
+        self.counts = self.counts.plus(other.counts);
+        self.receiver_entries += other.receiver_entries;
+        self.triangle_entries += other.triangle_entries;
+        other.seconds_by_stage.iter().for_each(|(name, seconds)| self.add_seconds(name, *seconds));
+        self.sort();
+    }
+
     /// Stages in the order of the data flow, where some of it came later.
     pub(crate) fn sort(&mut self) {
         let place = |name: &str| TABLE.iter().position(|info| info.name == name);
@@ -35,13 +44,13 @@ impl Statistics {
 
     /// Adds the time of one pass to its stage.
     pub(crate) fn add(&mut self, stage: Stage, time: Duration) {
-        self.add_named(stage.info().name, time);
+        self.add_seconds(stage.info().name, time.as_secs_f64());
     }
 
-    pub(crate) fn add_named(&mut self, name: &'static str, time: Duration) {
+    fn add_seconds(&mut self, name: &'static str, more: f64) {
         match self.seconds_by_stage.iter_mut().find(|(n, _)| *n == name) {
-            Some((_, seconds)) => *seconds += time.as_secs_f64(),
-            None => self.seconds_by_stage.push((name, time.as_secs_f64())),
+            Some((_, seconds)) => *seconds += more,
+            None => self.seconds_by_stage.push((name, more)),
         }
     }
 }

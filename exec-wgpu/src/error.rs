@@ -1,7 +1,7 @@
 //! What can go wrong on a device.
 
 use thiserror::Error;
-use umbra4_core::{LatticeError, LightError};
+use umbra4_core::{LatticeError, LightError, PunctualLightError};
 use wgpu::{Device, ErrorFilter};
 
 /// Why the GPU does not answer, or a call is refused.
@@ -101,6 +101,22 @@ pub enum GpuError {
         index: usize,
         /// Why.
         source: LightError,
+    },
+    /// A light without extent cannot be rounded to the lattice.
+    #[error("lights[{index}]: {source}")]
+    PunctualLight {
+        /// Which.
+        index: usize,
+        /// Why.
+        source: PunctualLightError,
+    },
+    /// The emission is another light's.
+    #[error("an emission of {}×{} samples for a light of {}×{}", emission[0], emission[1], light[0], light[1])]
+    EmissionSize {
+        /// Rows and columns of the emission.
+        emission: [u32; 2],
+        /// Rows and columns of the light.
+        light: [u32; 2],
     },
     /// There are more elements than a 32-bit index can name.
     #[error("{count} {field} are too many: at most {most} can be indexed")]

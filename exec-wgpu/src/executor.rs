@@ -6,9 +6,14 @@ use std::{
 };
 
 use umbra4_core::{
-    Counts, LatticeLight, MaskWord, Plan, Precision, SceneFacts,
+    AnyLight, Counts, LatticeLight, MaskWord, Plan, Precision, Punctual, SceneFacts,
+    emission::{Emission, Weight},
     glam::IVec3,
-    kernel::resolve::{ReceiverCounts, stride},
+    kernel::{
+        dispatch::{MaskLayout, Reduction},
+        resolve::{ReceiverCounts, stride},
+        weigh::{PackedWeight, packed},
+    },
     proj4::NODE,
     stage::reduce,
 };
@@ -16,9 +21,10 @@ use umbra4_core::{
 use crate::{
     Gpu, GpuError, LatticeScene, Loading, Statistics, checks,
     host::{Asked, Host, Results},
+    light_run::{LightRun, faces_with},
     recorder::Recorder,
     scratch::Scratch,
-    stages::{BLOCK, Buffers, SMALLEST_SLICE, Stages, block, mask_layout, narrowest, slice},
+    stages::{BLOCK, Buffers, SMALLEST_SLICE, block, mask_layout, narrowest, slice},
     timing::Timing,
 };
 
@@ -127,8 +133,8 @@ impl WgpuExecutor {
         light: &LatticeLight,
         receivers: &[IVec3],
     ) -> Result<(Vec<W>, Statistics), GpuError> {
-        let ask = Asked { masks: true, counts: self.counted, visibility: false };
-        let (results, statistics) = self.run(scene, light, receivers, W::BITS, ask)?;
+        let ask = Asked { masks: true, counts: self.counted, ..Asked::default() };
+        let (results, statistics) = self.run(scene, &(*light).into(), receivers, W::BITS, ask)?;
         Ok((words(&results.masks, light.rows as usize, stride(light.rows, W::BITS) as usize), statistics))
     }
 
@@ -157,9 +163,51 @@ impl WgpuExecutor {
         light: &LatticeLight,
         receivers: &[IVec3],
     ) -> Result<(Vec<u32>, Statistics), GpuError> {
-        let ask = Asked { masks: false, counts: self.counted, visibility: true };
-        let (results, statistics) = self.run(scene, light, receivers, narrowest(light), ask)?;
+        let ask = Asked { counts: self.counted, visibility: true, ..Asked::default() };
+        let light = (*light).into();
+        let (results, statistics) = self.run(scene, &light, receivers, narrowest(&light), ask)?;
         Ok((results.lit, statistics))
+    }
+
+    /// The light that every receiver gets, red, green and blue: sums of the weights of lit samples, of which
+    /// [`Emission::fraction`] makes fractions. Masks do not leave the device.
+    ///
+    /// # Errors
+    /// As [`WgpuExecutor::visibility`]; an emission of another number of rows or columns than the light's.
+    pub fn light<S: AsRef<[Weight]>>(
+        &self,
+        scene: &LatticeScene<'_>,
+        light: &LatticeLight,
+        receivers: &[IVec3],
+        emission: &Emission<S>,
+    ) -> Result<(Vec<[u32; 3]>, Statistics), GpuError> {
+        let size = [light.rows, light.columns];
+        if emission.size() != size {
+            return Err(GpuError::EmissionSize { emission: emission.size(), light: size });
+        }
+        let weights: Vec<PackedWeight> = emission.weights().iter().map(|weight| packed(*weight)).collect();
+        let ask = Asked { counts: self.counted, visibility: true, weights: Some(&weights), ..Asked::default() };
+        let light = (*light).into();
+        let (results, statistics) = self.run(scene, &light, receivers, narrowest(&light), ask)?;
+        Ok((results.weighed, statistics))
+    }
+
+    /// The shadow of a light without extent, a bit a receiver, 1 where the light does not reach it: bit n of word w is receiver
+    /// 32·w + n; bits beyond the last receiver are 0.
+    ///
+    /// # Errors
+    /// As [`WgpuExecutor::visibility`].
+    pub fn hard_shadows(
+        &self,
+        scene: &LatticeScene<'_>,
+        light: &Punctual,
+        receivers: &[IVec3],
+    ) -> Result<(Vec<u32>, Statistics), GpuError> {
+        let ask = Asked { counts: self.counted, visibility: true, ..Asked::default() };
+        let light = (*light).into();
+        let (results, statistics) = self.run(scene, &light, receivers, narrowest(&light), ask)?;
+        let word = |lit: &[u32]| lit.iter().rev().fold(0, |word, lit| word << 1 | u32::from(*lit == 0));
+        Ok((results.lit.chunks(32).map(word).collect(), statistics))
     }
 
     /// How many triangles block at least one sample of each receiver; for receivers in full shadow, how many were met
@@ -173,8 +221,9 @@ impl WgpuExecutor {
         light: &LatticeLight,
         receivers: &[IVec3],
     ) -> Result<(Vec<u32>, Statistics), GpuError> {
-        let ask = Asked { masks: false, counts: true, visibility: false };
-        let (results, statistics) = self.run(scene, light, receivers, narrowest(light), ask)?;
+        let ask = Asked { counts: true, ..Asked::default() };
+        let light = (*light).into();
+        let (results, statistics) = self.run(scene, &light, receivers, narrowest(&light), ask)?;
         Ok((results.counts.iter().map(|[_, _, relevant, _]| *relevant).collect(), statistics))
     }
 
@@ -182,13 +231,15 @@ impl WgpuExecutor {
     fn run(
         &self,
         scene: &LatticeScene<'_>,
-        light: &LatticeLight,
+        light: &AnyLight,
         receivers: &[IVec3],
         bits: u32,
-        asked: Asked,
+        asked: Asked<'_>,
     ) -> Result<(Results, Statistics), GpuError> {
-        if light.columns > bits {
-            return Err(GpuError::WordTooNarrow { columns: light.columns, bits });
+        if let AnyLight::Area(LatticeLight { columns, .. }) = *light
+            && columns > bits
+        {
+            return Err(GpuError::WordTooNarrow { columns, bits });
         }
         let counts =
             [("vertices", scene.vertices.len()), ("triangles", scene.triangles.len()), ("receivers", receivers.len())];
@@ -196,17 +247,25 @@ impl WgpuExecutor {
             checks::count_of(field, count as u64)?;
         }
         let Gpu { device, software, .. } = &self.gpu;
-        let layout = |slice| mask_layout(light, bits, self.precision, asked.counts, slice);
+        let layout = |slice| {
+            let reduction = if asked.weights.is_some() { Reduction::WeighedLight } else { Reduction::LitCounts };
+            MaskLayout { reduction, ..mask_layout(light, bits, self.precision, asked.counts, slice) }
+        };
         let mut slice = slice(*software);
-        let plan = Plan::new(SceneFacts {
+        let faces = faces_with(light, receivers);
+        let nothing = LatticeScene { vertices: &[], triangles: &[] };
+        let scene = if faces == 0 { &nothing } else { scene };
+        let facts = SceneFacts {
             triangles: scene.triangles.len() as u32,
             receivers: receivers.len() as u32,
             visibility: asked.visibility,
             block: block(&layout(slice), self.block),
-            jittered: light.jitter.is_some(),
-            reached: light.reaches(receivers),
+            jittered: matches!(light, AnyLight::Area(light) if light.jitter.is_some()),
+            reached: faces != 0,
+            punctual: matches!(light, AnyLight::Punctual(_)),
             ..SceneFacts::default()
-        });
+        };
+        let plan = Plan::new(facts);
         let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);
         let Work { recorder, scratch } = match &mut *work {
             Some(work) => work,
@@ -222,12 +281,13 @@ impl WgpuExecutor {
         let results = loop {
             let layout = layout(slice);
             let buffers = Buffers::fit(scratch, device, &plan, &layout, scene.vertices.len() as u32)?;
-            let host = Host::new(&self.gpu, asked, layout.stride);
+            let mut host = Host::new(&self.gpu, asked, layout.stride);
             host.upload(&buffers, scene, receivers)?;
             recorder.restart();
             recorder.clear(&buffers.masks, buffers.stopped());
-            let stages = Stages::new(&plan, layout, light, bounds, recorder, &buffers, host);
-            let results = stages.run()?.finish(recorder, &buffers)?;
+            LightRun { light: *light, faces: faces.max(1), facts, layout, bounds }
+                .record(recorder, &buffers, &mut host)?;
+            let results = host.finish(recorder, &buffers)?;
             match results.stopped {
                 false => break results,
                 // The driver ended threads before they were done: they get less to do.

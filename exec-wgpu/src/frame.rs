@@ -1,6 +1,6 @@
 //! What an engine hands over for a frame: its own buffers and textures, where they lie.
 
-use umbra4_core::{AreaLight, Bounds, Lift, gbuffer::NormalEncoding, glam::DMat4};
+use umbra4_core::{AreaLight, Bounds, DirectionalLight, Lift, PointLight, gbuffer::NormalEncoding, glam::DMat4};
 use wgpu::{Buffer, IndexFormat, Texture, TextureView};
 
 use crate::image::VisibilityFormat;
@@ -132,17 +132,50 @@ pub enum Surface<'a> {
     },
 }
 
+/// What shines, world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Lamp {
+    /// A light with an area: soft shadows.
+    Area {
+        /// The light.
+        light: AreaLight,
+        /// Moves its samples off a surface that it is flush with; else [`Lift::NONE`].
+        lift: Lift,
+    },
+    /// A point, which shines to all sides: hard shadows.
+    Point(PointLight),
+    /// A light that is infinitely far away: hard shadows.
+    Directional(DirectionalLight),
+}
+
+impl From<AreaLight> for Lamp {
+    fn from(light: AreaLight) -> Self {
+        Self::Area { light, lift: Lift::NONE }
+    }
+}
+
+impl From<PointLight> for Lamp {
+    fn from(light: PointLight) -> Self {
+        Self::Point(light)
+    }
+}
+
+impl From<DirectionalLight> for Lamp {
+    fn from(light: DirectionalLight) -> Self {
+        Self::Directional(light)
+    }
+}
+
 /// A light, and where its shadows go.
 #[derive(Clone, Copy, Debug)]
 pub struct Light<'a> {
     /// The light.
-    pub light: AreaLight,
-    /// Moves its samples off a surface that it is flush with; else [`Lift::NONE`].
-    pub lift: Lift,
+    pub lamp: Lamp,
     /// Where the fraction of lit samples of every pixel goes.
     pub visibility: Option<Image<'a>>,
     /// Where the masks of all pixels go, pixels row by row: rows of 16, 32 or 64 bits, the narrowest that hold the light's
-    /// columns, in words of 32 bits, each mask from a word of its own. The buffer's usage has `COPY_DST`.
+    /// columns, in words of 32 bits, each mask from a word of its own (of a light without extent,
+    /// a word that is 0 or 1). The buffer's usage has `COPY_DST`.
     pub masks: Option<&'a Buffer>,
     /// Accumulates visibility over frames, each with another [`umbra4_core::Jitter`]: noise converges to what all samples tell.
     pub history: Option<History<'a>>,

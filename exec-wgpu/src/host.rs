@@ -2,7 +2,10 @@
 
 use umbra4_core::{
     glam::IVec3,
-    kernel::resolve::{ReceiverCounts, STOPPED},
+    kernel::{
+        resolve::{ReceiverCounts, STOPPED},
+        weigh::PackedWeight,
+    },
     stage::Stage,
 };
 use wgpu::{Buffer, CommandEncoderDescriptor};
@@ -17,11 +20,13 @@ use crate::{
 };
 
 /// What is asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Asked {
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Asked<'a> {
     pub(crate) masks: bool,
     pub(crate) counts: bool,
     pub(crate) visibility: bool,
+    /// Those of the light's samples: visibility comes as sums of them.
+    pub(crate) weights: Option<&'a [PackedWeight]>,
 }
 
 /// What came back.
@@ -29,6 +34,7 @@ pub(crate) struct Asked {
 pub(crate) struct Results {
     pub(crate) masks: Vec<u32>,
     pub(crate) lit: Vec<u32>,
+    pub(crate) weighed: Vec<[u32; 3]>,
     pub(crate) counts: Vec<ReceiverCounts>,
     pub(crate) stages: Vec<(Stage, f64)>,
     /// Whether the driver has stopped a thread: the results lack something.
@@ -38,7 +44,7 @@ pub(crate) struct Results {
 /// The host's ends of a run.
 pub(crate) struct Host<'a> {
     gpu: &'a Gpu,
-    asked: Asked,
+    asked: Asked<'a>,
     stride: u32,
     receivers: u64,
     results: Results,
@@ -46,7 +52,7 @@ pub(crate) struct Host<'a> {
 
 impl<'a> Host<'a> {
     /// `stride`: words of 32 bits that a receiver's mask takes.
-    pub(crate) fn new(gpu: &'a Gpu, asked: Asked, stride: u32) -> Self {
+    pub(crate) fn new(gpu: &'a Gpu, asked: Asked<'a>, stride: u32) -> Self {
         Self { gpu, asked, stride, receivers: 0, results: Results::default() }
     }
 
@@ -63,8 +69,10 @@ impl<'a> Host<'a> {
             (&buffers.triangles, bytemuck::cast_slice(scene.triangles)),
             (&buffers.receivers, bytemuck::cast_slice(receivers)),
         ];
+        let weights = buffers.weights.as_ref().zip(self.asked.weights);
+        let weights = weights.map(|(buffer, weights)| (buffer, bytemuck::cast_slice(weights)));
         guarded(device, "uploads a scene", || {
-            for (buffer, bytes) in parts {
+            for (buffer, bytes) in parts.into_iter().chain(weights) {
                 queue.write_buffer(buffer, 0, bytes);
             }
         })
@@ -77,18 +85,23 @@ impl<'a> Host<'a> {
         if receivers == 0 {
             return Ok(results);
         }
-        let (stopped, lit) = guarded(device, "reads results", || {
+        let (stopped, lit, weighed) = guarded(device, "reads results", || {
             let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor { label: Some("umbra4") });
             let word = size_of::<u32>() as u64;
             let stopped = copy(device, &mut encoder, &buffers.masks, buffers.stopped(), word);
             let lit = buffers.lit.as_ref().filter(|_| asked.visibility);
             let lit = lit.map(|lit| copy(device, &mut encoder, lit, 0, receivers * word));
+            let weighed = buffers.weighed.as_ref();
+            let weighed = weighed.map(|weighed| copy(device, &mut encoder, weighed, 0, receivers * 3 * word));
             queue.submit([encoder.finish()]);
-            (stopped, lit)
+            (stopped, lit, weighed)
         })?;
         results.stopped = read::<u32>(device, &stopped)?.contains(&STOPPED);
         if let Some(lit) = lit {
             results.lit = read(device, &lit)?;
+        }
+        if let Some(weighed) = weighed {
+            results.weighed = read(device, &weighed)?;
         }
         Ok(results)
     }

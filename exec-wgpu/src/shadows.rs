@@ -3,7 +3,7 @@
 use std::{collections::HashMap, mem::offset_of, num::NonZero};
 
 use umbra4_core::{
-    Lattice, LatticeLight, Plan, Precision, SceneFacts,
+    AnyLight, Lattice, Plan, Precision, SceneFacts,
     gbuffer::ViewParams,
     glam::IVec3,
     half::halved,
@@ -21,13 +21,14 @@ use crate::{
     GpuError, Loading,
     checks::{self, CheckedMesh, CheckedView},
     error::guarded,
-    frame::{Frame, History, Image, Light, Resolution},
+    frame::{Frame, History, Image, Lamp, Light, Resolution},
     gpu::check_limits,
     image::VisibilityFormat,
+    light_run::{LightRun, all_faces},
     readback::{copy, read},
     recorder::{Recorder, Resource},
     scratch::Scratch,
-    stages::{BLOCK, Buffers, Ends, SMALLEST_SLICE, Stages, block, mask_layout, narrowest},
+    stages::{BLOCK, Buffers, Ends, SMALLEST_SLICE, block, mask_layout, narrowest},
     timing::{Timing, seconds},
 };
 
@@ -69,8 +70,7 @@ const PITCH: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / 4;
 ///         },
 ///         resolution: Resolution::Full,
 ///         lights: &[Light {
-///             light: lamp,
-///             lift: Lift::NONE,
+///             lamp: lamp.into(),
 ///             visibility: Some(Image::Texture { texture: visibility, layer: 0 }),
 ///             masks: None,
 ///             history: None,
@@ -108,7 +108,7 @@ pub struct Snapped {
     /// How many there are.
     pub receiver_count: u32,
     /// Its lights, those that ask for something.
-    pub lights: Vec<LatticeLight>,
+    pub lights: Vec<AnyLight>,
 }
 
 impl SoftShadows {
@@ -233,17 +233,18 @@ impl SoftShadows {
         for own in &checked.lights {
             let light = &frame.lights[own.index];
             let layout = own.layout(self.precision, self.slice);
-            let plan = Plan::new(SceneFacts {
+            let facts = SceneFacts {
                 new_vertices: if first { checked.vertices } else { 0 },
                 triangles: checked.triangles,
                 receivers: checked.receivers,
                 world_receivers: first,
                 visibility: light.visibility.is_some(),
                 block: block(&layout, BLOCK),
-                jittered: own.light.jitter.is_some(),
+                jittered: matches!(own.light, AnyLight::Area(light) if light.jitter.is_some()),
+                punctual: matches!(own.light, AnyLight::Punctual(_)),
                 ..SceneFacts::default()
-            });
-            let buffers = Buffers::fit(&mut self.scratch, &self.device, &plan, &layout, checked.vertices)?;
+            };
+            let buffers = Buffers::fit(&mut self.scratch, &self.device, &Plan::new(facts), &layout, checked.vertices)?;
             if first {
                 self.recorder.clear(&buffers.masks, buffers.stopped());
             }
@@ -252,14 +253,15 @@ impl SoftShadows {
                 true => Some(self.scratch.fit::<[i32; 3]>(&self.device, "pixels", u64::from(checked.pixels))?),
                 false => None,
             };
-            let ends = Engine {
+            let mut ends = Engine {
                 checked,
                 status: &self.status,
                 pixels: pixels.as_ref(),
                 masks: light.masks,
                 stride: layout.stride,
             };
-            Stages::new(&plan, layout, &own.light, bounds, &mut self.recorder, &buffers, ends).run()?;
+            let run = LightRun { light: own.light, faces: all_faces(&own.light), facts, layout, bounds };
+            run.record(&mut self.recorder, &buffers, &mut ends)?;
             if let (Some(image), Some(format), Some(lit)) = (&light.visibility, own.format, &buffers.lit) {
                 let lit = match &pixels {
                     Some(pixels) => &self.upsample(checked, pixels, &buffers.receivers, lit)?,
@@ -378,8 +380,20 @@ struct Checked {
 struct CheckedLight {
     /// Its place among the frame's lights.
     index: usize,
-    light: LatticeLight,
+    light: AnyLight,
     format: Option<VisibilityFormat>,
+}
+
+/// A light on the lattice.
+fn snapped(lamp: &Lamp, lattice: &Lattice, index: usize) -> Result<AnyLight, GpuError> {
+    let punctual = |source| GpuError::PunctualLight { index, source };
+    Ok(match lamp {
+        Lamp::Area { light, lift } => {
+            light.snap(lattice, *lift).map_err(|source| GpuError::Light { index, source })?.into()
+        }
+        Lamp::Point(light) => light.snap(lattice).map_err(punctual)?.into(),
+        Lamp::Directional(light) => light.snap().map_err(punctual)?.into(),
+    })
 }
 
 impl CheckedLight {
@@ -392,7 +406,7 @@ impl CheckedLight {
         pixels: u32,
     ) -> Result<Self, GpuError> {
         let field = checks::light_field(index);
-        let snapped = light.light.snap(lattice, light.lift).map_err(|source| GpuError::Light { index, source })?;
+        let snapped = snapped(&light.lamp, lattice, index)?;
         let image = light.visibility.as_ref();
         let own = Self {
             index,

@@ -1,17 +1,14 @@
 //! The stages as dispatches, over the buffers of a run.
 
 use umbra4_core::{
-    Executor, LatticeLight, Pass, Plan,
-    edge_plane::LightGrid,
-    glam::IVec3,
-    jitter::Pattern,
+    AnyLight, Executor, Pass, Plan,
     kernel::{
-        Kernel, ParamsKind,
-        dispatch::{self, MaskLayout, Role, dispatches},
+        Kernel,
+        dispatch::{self, MaskLayout, Reduction, Role, dispatches},
         resolve::{ReceiverCounts, stride},
+        weigh::PackedWeight,
     },
-    order::CodeFrame,
-    params::{JitteredParams, Params},
+    light::MAX_SAMPLES,
     precision::Precision,
     proj4::{KeyTile, NODE},
     stage::Stage,
@@ -22,10 +19,13 @@ use crate::{
     GpuError,
     recorder::{Recorder, Resource},
     scratch::Scratch,
+    told::Told,
 };
 
 /// Bytes that the masks of a block take, at most.
 const MASK_BYTES: u64 = 64 << 20;
+/// Samples of a light, at most.
+const MOST_SAMPLES: u64 = MAX_SAMPLES as u64 * MAX_SAMPLES as u64;
 /// Receivers of a block, at most.
 pub(crate) const BLOCK: u32 = 1 << 20;
 /// Triangles that a dispatch looks at, at first: lavapipe ends loops after 65,535 rounds.
@@ -37,15 +37,14 @@ pub(crate) const fn slice(software: bool) -> u32 {
 pub(crate) const SMALLEST_SLICE: u32 = NODE as u32;
 
 /// How masks with rows in words of `bits` bits are computed and stored.
-pub(crate) fn mask_layout(
-    light: &LatticeLight,
-    bits: u32,
-    precision: Precision,
-    counted: bool,
-    slice: u32,
-) -> MaskLayout {
-    let resolve = resolve_kernel(bits, precision, light.jitter.is_some(), counted);
-    MaskLayout { resolve, stride: stride(light.rows, bits), counted, slice }
+pub(crate) fn mask_layout(light: &AnyLight, bits: u32, precision: Precision, counted: bool, slice: u32) -> MaskLayout {
+    let (resolve, stride) = match light {
+        AnyLight::Area(light) => {
+            (resolve_kernel(bits, precision, light.jitter.is_some(), counted), stride(light.rows, bits))
+        }
+        AnyLight::Punctual(_) => (punctual_kernel(precision, counted), 1),
+    };
+    MaskLayout { resolve, stride, counted, slice, reduction: Reduction::LitCounts }
 }
 
 /// Receivers of a block: at most `most`, and no more than the memory for masks holds.
@@ -54,11 +53,20 @@ pub(crate) fn block(layout: &MaskLayout, most: u32) -> u32 {
 }
 
 /// Bits of the narrowest word that holds a row.
-pub(crate) const fn narrowest(light: &LatticeLight) -> u32 {
-    match light.columns {
-        0..=16 => 16,
-        17..=32 => 32,
-        _ => 64,
+pub(crate) const fn narrowest(light: &AnyLight) -> u32 {
+    match light {
+        AnyLight::Area(light) if light.columns <= 16 => 16,
+        AnyLight::Area(light) if light.columns > 32 => 64,
+        _ => 32,
+    }
+}
+
+const fn punctual_kernel(precision: Precision, counted: bool) -> Kernel {
+    match (precision, counted) {
+        (Precision::Exact, false) => Kernel::ResolvePunctualExact,
+        (Precision::Exact, true) => Kernel::ResolvePunctualExactCounted,
+        (Precision::Fast, false) => Kernel::ResolvePunctualFast,
+        (Precision::Fast, true) => Kernel::ResolvePunctualFastCounted,
     }
 }
 
@@ -92,6 +100,8 @@ pub(crate) struct Buffers {
     pub(crate) masks: Buffer,
     pub(crate) counts: Option<Buffer>,
     pub(crate) lit: Option<Buffer>,
+    pub(crate) weights: Option<Buffer>,
+    pub(crate) weighed: Option<Buffer>,
     triangle_keys: Buffer,
     triangle_order: Buffer,
     occluders: Buffer,
@@ -116,8 +126,11 @@ impl Buffers {
         let receivers = u64::from(facts.receivers);
         let block = facts.block.min(facts.receivers);
         let sorted = facts.triangles.max(block);
+        // Masks of one bit are kept for all receivers: a light without extent may have several frames.
+        let masked = if facts.punctual { receivers } else { u64::from(block) };
         // One more word says whether a thread was stopped.
-        let masks = u64::from(block) * u64::from(layout.stride) + 1;
+        let masks = masked * u64::from(layout.stride) + 1;
+        let weighed = layout.reduction == Reduction::WeighedLight;
         let mut fit = Fit { scratch, device };
         Ok(Self {
             vertices: fit.of::<[i32; 3]>("vertices", u64::from(vertices))?,
@@ -132,8 +145,10 @@ impl Buffers {
             spare_order: fit.of::<[u32; 2]>("order", u64::from(sorted))?,
             counters: fit.of::<u32>("counters", dispatch::counters(sorted))?,
             masks: fit.of::<u32>("masks", masks)?,
-            counts: if layout.counted { Some(fit.of::<ReceiverCounts>("counts", u64::from(block))?) } else { None },
-            lit: if facts.visibility { Some(fit.of::<u32>("lit counts", receivers)?) } else { None },
+            counts: if layout.counted { Some(fit.of::<ReceiverCounts>("counts", masked)?) } else { None },
+            lit: if facts.visibility && !weighed { Some(fit.of::<u32>("lit counts", receivers)?) } else { None },
+            weights: if weighed { Some(fit.of::<PackedWeight>("weights", MOST_SAMPLES)?) } else { None },
+            weighed: if weighed { Some(fit.of::<[u32; 3]>("weighed light", receivers)?) } else { None },
         })
     }
 }
@@ -158,9 +173,11 @@ impl Buffers {
             Role::ReceiverKeys => &self.receiver_keys,
             Role::ReceiverOrder => &self.receiver_order,
             Role::Masks => &self.masks,
-            // Dispatches name these two only where they are asked for.
+            // Dispatches name these only where they are asked for.
             Role::Counts => self.counts.as_ref().unwrap_or(&self.masks),
             Role::LitCounts => self.lit.as_ref().unwrap_or(&self.masks),
+            Role::Weights => self.weights.as_ref().unwrap_or(&self.masks),
+            Role::WeighedLight => self.weighed.as_ref().unwrap_or(&self.masks),
         }
     }
 }
@@ -188,45 +205,39 @@ pub(crate) trait Ends {
         first: u32,
         count: u32,
     ) -> Result<(), GpuError>;
-    /// Takes the masks of the `count` receivers from `first` on, before those of the next block replace them.
+    /// Takes the masks of the `count` receivers from `first` on, before those of the next block replace them. Those of a light
+    /// without extent are all of one block.
     fn block(&mut self, recorder: &mut Recorder, buffers: &Buffers, first: u32, count: u32) -> Result<(), GpuError>;
 }
 
-/// An executor for one light and one set of receivers.
+/// An executor for one light, in one of its frames, and one set of receivers.
 pub(crate) struct Stages<'a, E> {
     plan: &'a Plan,
     layout: MaskLayout,
-    params: Params,
-    pattern: Pattern,
+    told: Told,
     recorder: &'a mut Recorder,
     buffers: &'a Buffers,
-    ends: E,
+    ends: &'a mut E,
 }
 
 impl<'a, E: Ends> Stages<'a, E> {
-    /// `bounds`: of all triangles and receivers, lattice. They decide the order of things, never a bit.
     pub(crate) fn new(
         plan: &'a Plan,
         layout: MaskLayout,
-        light: &LatticeLight,
-        bounds: [IVec3; 2],
+        told: Told,
         recorder: &'a mut Recorder,
         buffers: &'a Buffers,
-        ends: E,
+        ends: &'a mut E,
     ) -> Self {
-        let grid = LightGrid::new(*light);
-        let params = Params::new(&grid, &CodeFrame::around(&grid.frame, bounds), plan.levels());
-        Self { plan, layout, params, pattern: Pattern::of(light), recorder, buffers, ends }
+        Self { plan, layout, told, recorder, buffers, ends }
     }
 
     /// Records all stages of the plan.
-    pub(crate) fn run(mut self) -> Result<E, GpuError> {
-        let plan = self.plan;
-        plan.run(&mut self)?;
-        Ok(self.ends)
+    pub(crate) fn run(mut self) -> Result<(), GpuError> {
+        self.plan.run(&mut self)
     }
 
-    /// The block whose first receiver is `first` has all its masks, and lit counts where they are asked for.
+    /// The block whose first receiver is `first` has all its masks, and what they are reduced to where that is asked for.
     fn end_block(&mut self, first: u32) -> Result<(), GpuError> {
         let facts = self.plan.facts();
         let count = facts.block.min(facts.receivers - first);
@@ -238,23 +249,19 @@ impl<E: Ends> Executor for Stages<'_, E> {
     type Error = GpuError;
 
     fn dispatch(&mut self, pass: &Pass) -> Result<(), GpuError> {
-        let Self { plan, layout, params, pattern, recorder, buffers, ends } = self;
+        let Self { plan, layout, told, recorder, buffers, ends } = self;
         recorder.set_stage(pass.stage);
         match pass.stage {
             Stage::SnapVertices => ends.snap_vertices(recorder, buffers)?,
             Stage::SnapReceivers => ends.snap_receivers(recorder, buffers, pass.first, pass.count)?,
             _ => dispatches(plan, layout, pass, &mut |dispatch| {
                 let bound: Vec<Resource> = dispatch.roles.iter().map(|role| buffers.of(*role).into()).collect();
-                let params = params.with_pass(&dispatch.pass);
-                match dispatch.kernel.info().params {
-                    ParamsKind::JitteredLight => {
-                        recorder.add(dispatch.kernel, JitteredParams { params, pattern: *pattern }, &bound)
-                    }
-                    _ => recorder.add(dispatch.kernel, params, &bound),
-                }
+                told.record(recorder, dispatch, &bound)
             })?,
         }
-        let last = if plan.facts().visibility { Stage::Reduce } else { Stage::Resolve };
-        if pass.stage == last { self.end_block(pass.first) } else { Ok(()) }
+        // No plan of a light without extent has the stage resolve, and none of it ends a block.
+        let facts = plan.facts();
+        let last = if facts.visibility { Stage::Reduce } else { Stage::Resolve };
+        if pass.stage == last && !facts.punctual { self.end_block(pass.first) } else { Ok(()) }
     }
 }

@@ -15,40 +15,64 @@ use umbra4_core::{
     Exact, Fast, PairWord,
     gbuffer::ViewParams,
     jitter::{Pattern, Regular},
-    kernel::{self, resolve::ReceiverCounts, snap_receivers, status::Status},
+    kernel::{self, resolve::ReceiverCounts, snap_receivers, status::Status, weigh::PackedWeight},
     mesh::MeshParams,
     occluder::Occluder,
     order::Entry,
-    params::{JitteredParams, Params},
+    params::{JitteredParams, Params, PunctualParams},
     proj4::{KeyTile, Keys},
 };
 
-/// See `umbra4_core::kernel::key_triangles`.
-#[spirv(compute(threads(64)))]
-pub fn key_triangles(
-    #[spirv(global_invocation_id)] thread: UVec3,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &Params,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] vertices: &[[i32; 3]],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] triangles: &[[u32; 3]],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] keys: &mut [Keys],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] order: &mut [Entry],
-) {
-    let id = kernel::id(thread.to_array(), params);
-    kernel::key_triangles::key_triangles(id, params, vertices, triangles, keys, order);
+/// Kernels that make keys, of one kind of light.
+macro_rules! keys {
+    ($params:ty: $triangles:ident, $receivers:ident, $order:ident) => {
+        /// See `umbra4_core::kernel::key_triangles`.
+        #[spirv(compute(threads(64)))]
+        pub fn $triangles(
+            #[spirv(global_invocation_id)] thread: UVec3,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &$params,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] vertices: &[[i32; 3]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] triangles: &[[u32; 3]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] keys: &mut [Keys],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] order: &mut [Entry],
+        ) {
+            let id = kernel::id(thread.to_array(), params);
+            kernel::key_triangles::key_triangles(id, params, vertices, triangles, keys, order);
+        }
+
+        /// See `umbra4_core::kernel::key_receivers`.
+        #[spirv(compute(threads(64)))]
+        pub fn $receivers(
+            #[spirv(global_invocation_id)] thread: UVec3,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &$params,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] keys: &mut [Keys],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] order: &mut [Entry],
+        ) {
+            let id = kernel::id(thread.to_array(), params);
+            kernel::key_receivers::key_receivers(id, params, receivers, keys, order);
+        }
+
+        /// See `umbra4_core::kernel::order_triangles`.
+        #[spirv(compute(threads(64)))]
+        pub fn $order(
+            #[spirv(global_invocation_id)] thread: UVec3,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &$params,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] vertices: &[[i32; 3]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] triangles: &[[u32; 3]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] keys: &[Keys],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] order: &[Entry],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] occluders: &mut [Occluder],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] nodes: &mut [KeyTile],
+        ) {
+            let id = kernel::id(thread.to_array(), params);
+            kernel::order_triangles::order_triangles(id, params, vertices, triangles, keys, order, occluders, nodes);
+        }
+    };
 }
 
-/// See `umbra4_core::kernel::key_receivers`.
-#[spirv(compute(threads(64)))]
-pub fn key_receivers(
-    #[spirv(global_invocation_id)] thread: UVec3,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &Params,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] keys: &mut [Keys],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] order: &mut [Entry],
-) {
-    let id = kernel::id(thread.to_array(), params);
-    kernel::key_receivers::key_receivers(id, params, receivers, keys, order);
-}
+keys!(Params: key_triangles, key_receivers, order_triangles);
+keys!(PunctualParams: key_punctual_triangles, key_punctual_receivers, order_punctual_triangles);
 
 /// See `umbra4_core::kernel::sort`.
 #[spirv(compute(threads(64)))]
@@ -91,22 +115,6 @@ pub fn scatter_digits(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] sorted: &mut [Entry],
 ) {
     kernel::sort::scatter_digits(kernel::id(thread.to_array(), params), params, counters, order, sorted);
-}
-
-/// See `umbra4_core::kernel::order_triangles`.
-#[spirv(compute(threads(64)))]
-pub fn order_triangles(
-    #[spirv(global_invocation_id)] thread: UVec3,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &Params,
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] vertices: &[[i32; 3]],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] triangles: &[[u32; 3]],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] keys: &[Keys],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] order: &[Entry],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] occluders: &mut [Occluder],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] nodes: &mut [KeyTile],
-) {
-    let id = kernel::id(thread.to_array(), params);
-    kernel::order_triangles::order_triangles(id, params, vertices, triangles, keys, order, occluders, nodes);
 }
 
 /// See `umbra4_core::kernel::build_level`.
@@ -217,6 +225,66 @@ resolve_jittered! {
     resolve_32_fast_jittered, resolve_32_fast_jittered_counted: u32, Fast;
     resolve_64_exact_jittered, resolve_64_exact_jittered_counted: PairWord, Exact;
     resolve_64_fast_jittered, resolve_64_fast_jittered_counted: PairWord, Fast;
+}
+
+macro_rules! resolve_punctual {
+    ($($name:ident, $counted:ident: $precision:ty;)*) => {
+        $(
+            /// See `umbra4_core::kernel::resolve_punctual`.
+            #[spirv(compute(threads(64)))]
+            pub fn $name(
+                #[spirv(global_invocation_id)] thread: UVec3,
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &PunctualParams,
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] keys: &[Keys],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] order: &[Entry],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] occluders: &[Occluder],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] nodes: &[KeyTile],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] masks: &mut [u32],
+            ) {
+                let id = kernel::id(thread.to_array(), params);
+                kernel::resolve_punctual::resolve_punctual::<$precision>(
+                    id, params, receivers, keys, order, occluders, nodes, masks,
+                );
+            }
+
+            /// See `umbra4_core::kernel::resolve_punctual`.
+            #[spirv(compute(threads(64)))]
+            pub fn $counted(
+                #[spirv(global_invocation_id)] thread: UVec3,
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &PunctualParams,
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] keys: &[Keys],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] order: &[Entry],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] occluders: &[Occluder],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] nodes: &[KeyTile],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] masks: &mut [u32],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] counts: &mut [ReceiverCounts],
+            ) {
+                let id = kernel::id(thread.to_array(), params);
+                kernel::resolve_punctual::resolve_punctual_counted::<$precision>(
+                    id, params, receivers, keys, order, occluders, nodes, masks, counts,
+                );
+            }
+        )*
+    };
+}
+
+resolve_punctual! {
+    resolve_punctual_exact, resolve_punctual_exact_counted: Exact;
+    resolve_punctual_fast, resolve_punctual_fast_counted: Fast;
+}
+
+/// See `umbra4_core::kernel::weigh`.
+#[spirv(compute(threads(64)))]
+pub fn weigh(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &Params,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] masks: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] weights: &[PackedWeight],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] light: &mut [[u32; 3]],
+) {
+    kernel::weigh::weigh(kernel::id(thread.to_array(), params), params, masks, weights, light);
 }
 
 /// See `umbra4_core::kernel::reduce`.

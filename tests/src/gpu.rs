@@ -55,7 +55,8 @@ impl Wgpu {
     }
 }
 
-fn scene(inputs: &Inputs) -> LatticeScene<'_> {
+/// The scene as the executor takes it.
+pub fn scene(inputs: &Inputs) -> LatticeScene<'_> {
     LatticeScene { vertices: inputs.occluders.vertices(), triangles: inputs.occluders.triangles() }
 }
 

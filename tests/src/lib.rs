@@ -9,6 +9,7 @@
 //! | [`compare`] | are two results the same bits? |
 //! | [`scene`], [`scenes`], [`meshes`] | scenes in lattice integers, deterministic from a seed |
 //! | [`hard_cases`] | the named cases, each with what must hold beyond equality with the oracle |
+//! | [`hard_shadows`], [`weights`] | lights without extent; emissions |
 //! | [`gpu`], [`device`] | the executor on a GPU, for the suite; an engine's buffers and textures |
 //! | [`alone`] | one kernel alone, on a device and on the host |
 //! | [`suite`], [`ledger`] | one suite, instantiated per word width and executor, and its totals |
@@ -19,6 +20,7 @@ pub mod compare;
 pub mod device;
 pub mod gpu;
 pub mod hard_cases;
+pub mod hard_shadows;
 pub mod ledger;
 pub mod meshes;
 pub mod oracle;
@@ -27,6 +29,7 @@ pub mod scene;
 pub mod scenes;
 pub mod second_oracle;
 pub mod suite;
+pub mod weights;
 
 /// The README's example compiles.
 #[cfg(doctest)]

@@ -33,7 +33,8 @@ impl SampleGrid {
     /// Some pattern of jittered samples.
     #[must_use]
     pub fn jittered(self, rng: &mut Rng) -> Self {
-        Self { jitter: Jitter::pattern(rng.next_u64() as u32 >> rng.below(32)), ..self }
+        let jitter = Jitter::pattern(rng.next_u64() as u32 >> rng.below(32));
+        Self { jitter: if rng.one_in(4) { jitter.reversed() } else { jitter }, ..self }
     }
 
     /// The shortest step, lattice units.

@@ -1,51 +1,15 @@
 //! Emission: sums of weights against the oracle's masks, sample by sample; shapes; and what is refused.
 
-use umbra4_core::{
-    LatticeLight,
-    emission::{Emission, EmissionError, Shape, WHOLE, Weight},
-};
+use umbra4_core::emission::{Emission, EmissionError, Shape, WHOLE};
 use umbra4_cpu::{CpuExecutor, ExecutorError};
 use umbra4_tests::{
     ledger::say,
     rng::Rng,
-    scene::Inputs,
     scenes::{EXPONENTS, GENERATORS, SampleGrid},
+    weights::{expected, weights},
 };
 
 const GRIDS: [(u32, u32); 5] = [(16, 16), (5, 31), (64, 64), (1, 1), (33, 17)];
-
-fn count(light: &LatticeLight) -> usize {
-    light.sample_count() as usize
-}
-
-/// Weights of all sizes, many of them zero.
-fn weights(rng: &mut Rng, count: usize) -> Vec<Weight> {
-    let mut weight = || match rng.below(3) {
-        0 => 0,
-        1 => WHOLE,
-        _ => rng.next_u64() as u16,
-    };
-    let mut weights: Vec<Weight> = (0..count).map(|_| [weight(), weight(), weight()]).collect();
-    weights[0][1] = 1;
-    weights
-}
-
-/// The sums from the oracle's masks, a sample at a time.
-fn expected(inputs: &Inputs, weights: &[Weight]) -> Vec<[u64; 3]> {
-    let (rows, columns) = (inputs.light.rows as usize, inputs.light.columns as usize);
-    let sum = |mask: &[u64]| {
-        let mut sum = [0; 3];
-        for (row, word) in mask.iter().enumerate() {
-            for column in (0..columns).filter(|column| word >> column & 1 == 0) {
-                for (sum, weight) in sum.iter_mut().zip(weights[row * columns + column]) {
-                    *sum += u64::from(weight);
-                }
-            }
-        }
-        sum
-    };
-    inputs.oracle().chunks_exact(rows).map(sum).collect()
-}
 
 #[test]
 fn sums_are_those_of_the_oracle_s_masks() {
@@ -57,7 +21,7 @@ fn sums_are_those_of_the_oracle_s_masks() {
             let grid = SampleGrid::regular(rows, columns);
             let grid = if round % 2 == 1 { grid.jittered(&mut rng) } else { grid };
             let inputs = generator(&mut rng, grid).inputs(EXPONENTS[round]);
-            let weights = weights(&mut rng, count(&inputs.light));
+            let weights = weights(&mut rng, inputs.light.sample_count() as usize);
             let emission = Emission::new(rows, columns, &weights[..]).expect("weights are fine");
             let expected = expected(&inputs, &weights);
             let (sums, _) = executor

@@ -64,7 +64,7 @@ fn plans_say_why() {
         assert_eq!(reason(unreached, stage), (false, "no receiver lies before the light"));
     }
     let punctual = SceneFacts { punctual: true, ..facts };
-    for stage in [Stage::Resolve, Stage::FindSilhouette, Stage::Reduce] {
+    for stage in [Stage::Resolve, Stage::FindSilhouette] {
         assert_eq!(reason(punctual, stage), (false, "the light has no extent: a mask is one bit"));
     }
     assert!(reason(punctual, Stage::ResolvePunctual).0 && reason(punctual, Stage::OrderTriangles).0);

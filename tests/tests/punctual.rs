@@ -10,26 +10,17 @@ use umbra4_core::{
 use umbra4_cpu::{CpuExecutor, HardShadows, Isa, Statistics};
 use umbra4_tests::{
     compare::{Amount, Compared, compare_masks},
+    hard_shadows::{oracle, property},
     ledger::say,
     meshes::Mesh,
     oracle::{hit, hit_towards},
     rng::Rng,
-    scene::{REACH, Scene},
-    scenes::{EXPONENTS, GENERATORS, SampleGrid},
+    scene::Scene,
+    scenes::{GENERATORS, SampleGrid},
 };
 
 /// Scenes of each generator.
 const ROUNDS: usize = 12;
-
-/// A bit a receiver, from the rule alone.
-fn oracle(light: Punctual, receivers: &[IVec3], triangles: &[[IVec3; 3]]) -> Vec<u64> {
-    let blocks = |p: IVec3, triangle: [IVec3; 3]| match (light.position(), light.towards()) {
-        (Some(position), _) => hit(p, position, triangle),
-        (_, Some(towards)) => hit_towards(p, towards, triangle),
-        _ => panic!("{light:?} is neither a point nor a direction"),
-    };
-    receivers.iter().map(|&p| u64::from(triangles.iter().any(|&t| blocks(p, t)))).collect()
-}
 
 fn bits(shadows: &HardShadows) -> Vec<u16> {
     let bits = (0..shadows.len()).map(|r| u16::from(shadows.is_blocked(r).expect("there is such a receiver")));
@@ -40,28 +31,6 @@ fn bits(shadows: &HardShadows) -> Vec<u16> {
     bits
 }
 
-/// Lights where signs are zero: in corners, receivers and planes, along edges and planes, through corners; and anywhere.
-fn lights(rng: &mut Rng, scene: &Scene) -> Vec<Punctual> {
-    let inside = |p: IVec3| p.clamp(IVec3::splat(-REACH), IVec3::splat(REACH));
-    let mut points = vec![scene.light.sample(0, 0), rng.point(REACH), rng.point(REACH / 4)];
-    let mut directions = vec![rng.point(LIMIT), IVec3::from_array(rng.pick(&[[1, 0, 0], [0, -1, 0], [0, 0, LIMIT]]))];
-    if !scene.receivers.is_empty() {
-        points.push(rng.pick(&scene.receivers));
-    }
-    if !scene.mesh.triangles.is_empty() {
-        let corners = rng.pick(&scene.mesh.triangles).map(|vertex| scene.mesh.vertices[vertex as usize]);
-        let [a, b, c] = corners;
-        points.extend([a, inside(a + (b - a) / 2 + (c - a) / 2), inside(b + b / 2 - a / 2)]);
-        directions.extend([b - a, (c - a) / 2 + (b - c) / 2]);
-        if !scene.receivers.is_empty() {
-            directions.push((c - rng.pick(&scene.receivers)) / 2 * 2);
-        }
-    }
-    let directions = directions.into_iter().map(|d| d.clamp(IVec3::splat(-LIMIT), IVec3::splat(LIMIT)));
-    let directions = directions.filter_map(Punctual::direction);
-    points.into_iter().filter_map(Punctual::point).chain(directions).collect()
-}
-
 #[test]
 fn every_bit_is_the_oracle_s() {
     let executors: Vec<CpuExecutor> = Isa::available()
@@ -69,41 +38,16 @@ fn every_bit_is_the_oracle_s() {
         .enumerate()
         .map(|(k, isa)| CpuExecutor::new().with_isa(isa).with_threads(1 + k % 2).expect("threads can be started"))
         .collect();
-    let (mut total, mut cases) = (Compared::default(), 0);
-    for (name, generator) in GENERATORS {
-        let mut rng = Rng::named(0, &format!("punctual {name}"));
-        let mut of_generator = Compared::default();
-        for round in 0..ROUNDS {
-            let mut scene = generator(&mut rng, SampleGrid::regular(4, 4));
-            let lights = lights(&mut rng, &scene);
-            // Receivers in the light, and on the edges and corners of its faces.
-            for position in lights.iter().filter_map(|light| light.position()) {
-                let size = 1 + rng.below(1 << 20) as i32;
-                for along in [[0, 0, 0], [1, 1, 1], [-1, 1, 1], [1, 0, -1], [0, 1, 0]] {
-                    let p = position + IVec3::from_array(along) * size;
-                    scene.receivers.push(p.clamp(IVec3::splat(-REACH), IVec3::splat(REACH)));
-                }
-            }
-            let inputs = scene.inputs(EXPONENTS[round % EXPONENTS.len()]);
-            let triangles = inputs.triangles();
-            for light in lights {
-                let expected = oracle(light, inputs.receivers.points(), &triangles);
-                for executor in &executors {
-                    let found = executor.hard_shadows(&inputs.occluders, &light, &inputs.receivers);
-                    let (shadows, _) = found.unwrap_or_else(|error| panic!("{error}"));
-                    let compared = compare_masks(&expected, &bits(&shadows), 1, 1, Amount::Some)
-                        .unwrap_or_else(|e| panic!("{name}, scene {round}, {light:?}, {}: {e}", executor.isa()));
-                    of_generator.bits += compared.bits;
-                    of_generator.blocked += compared.blocked;
-                    cases += 1;
-                }
-            }
-        }
-        assert!(of_generator.blocked > 0 && of_generator.blocked < of_generator.bits, "{name}: {of_generator:?}");
-        total.bits += of_generator.bits;
-        total.blocked += of_generator.blocked;
+    let mut total = Compared::default();
+    for ((name, _), executor) in GENERATORS.iter().flat_map(|g| executors.iter().map(move |e| (g, e))) {
+        let compared = property(name, ROUNDS, |inputs, light| {
+            let found = executor.hard_shadows(&inputs.occluders, light, &inputs.receivers);
+            Ok(bits(&found.map_err(|error| format!("{}: {error}", executor.isa()))?.0))
+        });
+        total.bits += compared.bits;
+        total.blocked += compared.blocked;
     }
-    say(&format!("lights without extent: {} bits of {cases} cases, {} blocked, 0 differ", total.bits, total.blocked));
+    say(&format!("lights without extent: {} bits, {} blocked, 0 differ", total.bits, total.blocked));
 }
 
 /// A light that is far enough away is as good as one at infinity: two formulas of the oracle against each other.

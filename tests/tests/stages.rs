@@ -11,7 +11,7 @@ use umbra4_core::{
     jitter::Pattern,
     kernel::{
         Access, Kernel,
-        dispatch::{Dispatch, MaskLayout, Role, counters, dispatches},
+        dispatch::{Dispatch, MaskLayout, Reduction, Role, counters, dispatches},
         probe::{Helper, IN, OUT},
         resolve::stride,
     },
@@ -207,7 +207,13 @@ fn every_kernel_alone(gpu: &Gpu, generator: usize) -> Result<(), Failed> {
             (_, true, false) => Kernel::Resolve64ExactJittered,
             (_, true, true) => Kernel::Resolve64ExactJitteredCounted,
         };
-        let layout = MaskLayout { resolve, stride: stride(inputs.light.rows, bits), counted, slice: 256 };
+        let layout = MaskLayout {
+            resolve,
+            stride: stride(inputs.light.rows, bits),
+            counted,
+            slice: 256,
+            reduction: Reduction::LitCounts,
+        };
         let plan = Plan::new(SceneFacts {
             triangles: inputs.occluders.triangles().len() as u32,
             receivers: inputs.receivers.len() as u32,

@@ -44,6 +44,10 @@ pub enum Role {
     Counts,
     /// Lit samples of all receivers.
     LitCounts,
+    /// Weights of the light's samples.
+    Weights,
+    /// Sums of the weights of lit samples, of all receivers.
+    WeighedLight,
 }
 
 /// One kernel to be run.
@@ -68,6 +72,18 @@ pub struct MaskLayout {
     pub counted: bool,
     /// Triangles that a dispatch looks at, at most: some drivers stop threads that run for long.
     pub slice: u32,
+    /// What stage reduce makes of masks.
+    pub reduction: Reduction,
+}
+
+/// What stage reduce makes of masks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reduction {
+    /// Lit samples.
+    #[default]
+    LitCounts,
+    /// Sums of the weights of lit samples: an emission.
+    WeighedLight,
 }
 
 const SORT_PASSES: u32 = CODE_BITS.div_ceil(DIGIT_BITS);
@@ -89,12 +105,13 @@ pub fn dispatches<E>(
 ) -> Result<(), E> {
     let facts = plan.facts();
     let mut one = |kernel, pass, roles: &[Role]| record(&Dispatch { kernel, pass, roles });
+    let punctual = facts.punctual;
     let by_id = PassParams { count: pass.count, first: pass.first, ..PassParams::default() };
     // Passes of stages whose ids are groups name their first receiver.
     let block = facts.block.min(facts.receivers.saturating_sub(pass.first));
     match pass.stage {
         Stage::KeyTriangles => one(
-            Kernel::KeyTriangles,
+            if punctual { Kernel::KeyPunctualTriangles } else { Kernel::KeyTriangles },
             by_id,
             &[Role::Vertices, Role::Triangles, Role::TriangleKeys, Role::TriangleOrder],
         ),
@@ -111,14 +128,15 @@ pub fn dispatches<E>(
                 Role::Occluders,
                 Role::Nodes,
             ];
-            one(Kernel::OrderTriangles, pass, &roles)
+            one(if punctual { Kernel::OrderPunctualTriangles } else { Kernel::OrderTriangles }, pass, &roles)
         }
         Stage::BuildLevel => one(Kernel::BuildLevel, level(plan.levels(), pass.first as usize), &[Role::Nodes]),
         Stage::KeyReceivers => {
-            one(Kernel::KeyReceivers, by_id, &[Role::Receivers, Role::ReceiverKeys, Role::ReceiverOrder])
+            let kernel = if punctual { Kernel::KeyPunctualReceivers } else { Kernel::KeyReceivers };
+            one(kernel, by_id, &[Role::Receivers, Role::ReceiverKeys, Role::ReceiverOrder])
         }
         Stage::OrderReceivers => sort(pass.count, Role::ReceiverOrder, &mut one),
-        Stage::Resolve => {
+        Stage::Resolve | Stage::ResolvePunctual => {
             let roles = match &RESOLVE {
                 all if layout.counted => &all[..],
                 [but_counts @ .., _] => but_counts,
@@ -138,14 +156,16 @@ pub fn dispatches<E>(
                 .try_for_each(|base| one(layout.resolve, PassParams { base, ..pass }, roles))
         }
         Stage::Reduce => {
-            let pass = PassParams { count: block, first: pass.first, stride: layout.stride, ..PassParams::default() };
-            one(Kernel::Reduce, pass, &[Role::Masks, Role::LitCounts])
+            let pass = PassParams { stride: layout.stride, ..by_id };
+            match layout.reduction {
+                Reduction::LitCounts => one(Kernel::Reduce, pass, &[Role::Masks, Role::LitCounts]),
+                Reduction::WeighedLight => one(Kernel::Weigh, pass, &[Role::Masks, Role::Weights, Role::WeighedLight]),
+            }
         }
         // How vertices and receivers come is the executor's; the hierarchy is the index of those that run kernels.
         Stage::SnapVertices
         | Stage::SnapReceivers
         | Stage::FindSilhouette
-        | Stage::ResolvePunctual
         | Stage::DefineFrame
         | Stage::BinReceivers
         | Stage::BinTriangles

@@ -1,16 +1,20 @@
 //! Kernel `key_receivers`: keys and place on the curve of one receiver.
 
 use crate::{
-    kernel::{point, store},
+    kernel::{light_params::LightParams, point, store},
     order::{Entry, code},
-    params::Params,
     proj4::{Keys, NOTHING},
-    stage::key_receivers::keys_of,
 };
 
 /// Receiver `first + id` of a block; those behind the light come last in the order.
 #[inline(always)]
-pub fn key_receivers(id: usize, params: &Params, receivers: &[[i32; 3]], keys: &mut [Keys], order: &mut [Entry]) {
+pub fn key_receivers<T: LightParams>(
+    id: usize,
+    params: &T,
+    receivers: &[[i32; 3]],
+    keys: &mut [Keys],
+    order: &mut [Entry],
+) {
     let pass = params.pass();
     if id >= pass.count as usize {
         return;
@@ -18,7 +22,7 @@ pub fn key_receivers(id: usize, params: &Params, receivers: &[[i32; 3]], keys: &
     let mut entry = Entry { code: Entry::ABSENT, index: id as u32 };
     let mut own = NOTHING;
     if let Some(p) = point(receivers, pass.first as usize + id)
-        && let Some(found) = keys_of(&params.frame(), &params.light(), p)
+        && let Some(found) = params.receiver(p)
     {
         own = found;
         entry.code = code(&params.codes(), &own);

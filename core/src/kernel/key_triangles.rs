@@ -3,13 +3,10 @@
 use glam::IVec3;
 
 use crate::{
-    kernel::{fetch, point, store},
-    light::LatticeLight,
+    kernel::{fetch, light_params::LightParams, point, store},
     occluder::Occluder,
     order::{Entry, code},
-    params::Params,
     proj4::{Keys, NOTHING},
-    stage::key_triangles::keys_of,
 };
 
 /// The corners of triangle `id`; `None` where one is missing.
@@ -21,21 +18,20 @@ pub(super) fn corners(id: usize, vertices: &[[i32; 3]], triangles: &[[u32; 3]]) 
 
 /// Keys and orientation of triangle `id`; `None` where it blocks nothing.
 #[inline(always)]
-pub(super) fn triangle(
+pub(super) fn triangle<T: LightParams>(
     id: usize,
-    params: &Params,
-    light: &LatticeLight,
+    params: &T,
     vertices: &[[i32; 3]],
     triangles: &[[u32; 3]],
 ) -> Option<(Keys, Occluder)> {
-    keys_of(&params.frame(), light, corners(id, vertices, triangles)?)
+    params.triangle(corners(id, vertices, triangles)?)
 }
 
 /// Triangle `id`; those that block nothing come last in the order.
 #[inline(always)]
-pub fn key_triangles(
+pub fn key_triangles<T: LightParams>(
     id: usize,
-    params: &Params,
+    params: &T,
     vertices: &[[i32; 3]],
     triangles: &[[u32; 3]],
     keys: &mut [Keys],
@@ -46,7 +42,7 @@ pub fn key_triangles(
     }
     let mut entry = Entry { code: Entry::ABSENT, index: id as u32 };
     let mut own = NOTHING;
-    if let Some((found, _)) = triangle(id, params, &params.light(), vertices, triangles) {
+    if let Some((found, _)) = triangle(id, params, vertices, triangles) {
         own = found;
         entry.code = code(&params.codes(), &own);
     }

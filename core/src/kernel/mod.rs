@@ -13,17 +13,20 @@ pub mod dispatch;
 pub mod half;
 pub mod key_receivers;
 pub mod key_triangles;
+pub mod light_params;
 pub mod order_triangles;
 pub mod pack;
 pub mod probe;
 pub mod reduce;
 pub mod resolve;
+pub mod resolve_punctual;
 pub mod snap_receivers;
 pub mod snap_vertices;
 pub mod sort;
 pub mod status;
 mod table;
 pub mod triangles;
+pub mod weigh;
 
 use crate::params::Dispatched;
 

@@ -1,18 +1,17 @@
 //! Kernel `order_triangles`: what the hierarchy's lowest level and the resolve stage read, in order.
 
 use crate::{
-    kernel::{fetch, key_triangles::triangle, store},
+    kernel::{fetch, key_triangles::triangle, light_params::LightParams, store},
     occluder::Occluder,
     order::Entry,
-    params::Params,
     proj4::{KeyTile, Keys, NODE, NOTHING},
 };
 
 /// Place `id` of the lowest level; places beyond the last triangle hold nothing.
 #[inline(always)]
-pub fn order_triangles(
+pub fn order_triangles<T: LightParams>(
     id: usize,
-    params: &Params,
+    params: &T,
     vertices: &[[i32; 3]],
     triangles: &[[u32; 3]],
     keys: &[Keys],
@@ -28,7 +27,7 @@ pub fn order_triangles(
     if id < pass.elements as usize {
         let entry = fetch(order, id, Entry::default());
         own = fetch(keys, entry.index as usize, NOTHING);
-        let found = triangle(entry.index as usize, params, &params.light(), vertices, triangles);
+        let found = triangle(entry.index as usize, params, vertices, triangles);
         let mut occluder = Occluder::NONE;
         if let Some((_, facing)) = found {
             occluder = facing;

@@ -125,11 +125,7 @@ pub fn resolve<W: DeviceWord, P: PrecisionMode, S: Samples>(
         store(masks, index * pass.stride as usize + k, W::stored(&group.masks[0], rows, k, halves));
         k += 1;
     }
-    let mut rounds = 0;
-    while rounds < pass.rounds {
-        rounds += 1;
-    }
-    if rounds < pass.rounds || k < pass.stride as usize {
+    if !may_loop(pass.rounds) || k < pass.stride as usize {
         let last = masks.len().wrapping_sub(1);
         store(masks, last, STOPPED);
     }
@@ -152,7 +148,23 @@ pub fn resolve_counted<W: DeviceWord, P: PrecisionMode, S: Samples>(
     counts: &mut [ReceiverCounts],
 ) {
     let (index, own) = resolve::<W, P, S>(id, params, samples, receivers, keys, order, occluders, nodes, masks);
-    let before = if params.pass().base > 0 { fetch(counts, index, [0; 4]) } else { [0; 4] };
+    add_counts(params.pass().base, index, own, counts);
+}
+
+/// Whether loops still run.
+#[inline(always)]
+pub(super) fn may_loop(rounds: u32) -> bool {
+    let mut k = 0;
+    while k < rounds {
+        k += 1;
+    }
+    k >= rounds
+}
+
+/// Adds to the counts of a receiver; the first slice of triangles starts them.
+#[inline(always)]
+pub(super) fn add_counts(slice: u32, index: usize, own: ReceiverCounts, counts: &mut [ReceiverCounts]) {
+    let before = if slice > 0 { fetch(counts, index, [0; 4]) } else { [0; 4] };
     let sums = [before[0] + own[0], before[1] + own[1], before[2] + own[2], before[3] + own[3]];
     store(counts, index, sums);
 }

@@ -55,8 +55,24 @@ pub enum Kernel {
     Resolve64ExactJitteredCounted,
     /// [`Kernel::Resolve64FastCounted`], of jittered samples.
     Resolve64FastJitteredCounted,
+    /// [`super::key_triangles`], of a light without extent.
+    KeyPunctualTriangles,
+    /// [`super::key_receivers`], of a light without extent.
+    KeyPunctualReceivers,
+    /// [`super::order_triangles`], of a light without extent.
+    OrderPunctualTriangles,
+    /// [`super::resolve_punctual`], certified.
+    ResolvePunctualExact,
+    /// The same, plain f32.
+    ResolvePunctualFast,
+    /// [`Kernel::ResolvePunctualExact`], counted.
+    ResolvePunctualExactCounted,
+    /// [`Kernel::ResolvePunctualFast`], counted.
+    ResolvePunctualFastCounted,
     /// [`super::reduce`].
     Reduce,
+    /// [`super::weigh`].
+    Weigh,
     /// [`super::pack`].
     Pack,
     /// [`super::accumulate`].
@@ -101,6 +117,8 @@ pub enum ParamsKind {
     Light,
     /// [`crate::params::JitteredParams`]
     JitteredLight,
+    /// [`crate::params::PunctualParams`]
+    PunctualLight,
     /// [`crate::mesh::MeshParams`]
     Mesh,
     /// [`crate::gbuffer::ViewParams`]
@@ -113,6 +131,7 @@ impl ParamsKind {
         match self {
             Self::Light => size_of::<crate::params::Params>(),
             Self::JitteredLight => size_of::<crate::params::JitteredParams>(),
+            Self::PunctualLight => size_of::<crate::params::PunctualParams>(),
             Self::Mesh => size_of::<crate::mesh::MeshParams>(),
             Self::View => size_of::<crate::gbuffer::ViewParams>(),
         }
@@ -149,6 +168,10 @@ pub enum Slot {
     LitCounts,
     /// Lit samples over frames, u32.
     Sums,
+    /// Weights of the light's samples: [`super::weigh::PackedWeight`].
+    Weights,
+    /// Sums of the weights of lit samples, u32 × 3.
+    WeighedLight,
     /// Lit count → visibility, in the format of the image.
     VisibilityTable,
     /// Visibility of every pixel, packed into words of 32 bits.
@@ -243,12 +266,29 @@ const RESOLVE: &[Bound] = match RESOLVE_COUNTED {
     [] => &[],
 };
 
+const KEY_TRIANGLES: &[Bound] = &[read(Slot::Vertices), read(Slot::Triangles), write(Slot::Keys), write(Slot::Order)];
+
+const KEY_RECEIVERS: &[Bound] = &[read(Slot::Receivers), write(Slot::Keys), write(Slot::Order)];
+
+const ORDER_TRIANGLES: &[Bound] = &[
+    read(Slot::Vertices),
+    read(Slot::Triangles),
+    read(Slot::Keys),
+    read(Slot::Order),
+    write(Slot::Occluders),
+    write(Slot::Nodes),
+];
+
 const fn line(kernel: Kernel, name: &'static str, stage: Stage, bound: &'static [Bound]) -> KernelInfo {
     KernelInfo { kernel, name, stage, params: ParamsKind::Light, bound }
 }
 
 const fn jittered(kernel: Kernel, name: &'static str, bound: &'static [Bound]) -> KernelInfo {
     KernelInfo { kernel, name, stage: Stage::Resolve, params: ParamsKind::JitteredLight, bound }
+}
+
+const fn punctual(kernel: Kernel, name: &'static str, stage: Stage, bound: &'static [Bound]) -> KernelInfo {
+    KernelInfo { kernel, name, stage, params: ParamsKind::PunctualLight, bound }
 }
 
 const fn mesh(kernel: Kernel, name: &'static str, bound: &'static [Bound]) -> KernelInfo {
@@ -285,19 +325,9 @@ const OWNED_DEPTHS: &[Bound] = &owned(texture(Slot::Depths), texture(Slot::Norma
 const OWNED_DEPTH_SAMPLES: &[Bound] = &owned(samples(Slot::Depths), samples(Slot::Normals), Access::IdSamples);
 
 /// All kernels.
-pub const TABLE: [KernelInfo; 42] = [
-    line(
-        Kernel::KeyTriangles,
-        "key_triangles",
-        Stage::KeyTriangles,
-        &[read(Slot::Vertices), read(Slot::Triangles), write(Slot::Keys), write(Slot::Order)],
-    ),
-    line(
-        Kernel::KeyReceivers,
-        "key_receivers",
-        Stage::KeyReceivers,
-        &[read(Slot::Receivers), write(Slot::Keys), write(Slot::Order)],
-    ),
+pub const TABLE: [KernelInfo; 50] = [
+    line(Kernel::KeyTriangles, "key_triangles", Stage::KeyTriangles, KEY_TRIANGLES),
+    line(Kernel::KeyReceivers, "key_receivers", Stage::KeyReceivers, KEY_RECEIVERS),
     line(Kernel::CountDigits, "count_digits", Stage::OrderTriangles, &[read(Slot::Order), write(Slot::Counters)]),
     line(Kernel::SumBlocks, "sum_blocks", Stage::OrderTriangles, &[write(Slot::Counters)]),
     line(Kernel::ScanBlocks, "scan_blocks", Stage::OrderTriangles, &[write(Slot::Counters)]),
@@ -307,19 +337,7 @@ pub const TABLE: [KernelInfo; 42] = [
         Stage::OrderTriangles,
         &[read(Slot::Counters), read(Slot::Order), write(Slot::Sorted)],
     ),
-    line(
-        Kernel::OrderTriangles,
-        "order_triangles",
-        Stage::OrderTriangles,
-        &[
-            read(Slot::Vertices),
-            read(Slot::Triangles),
-            read(Slot::Keys),
-            read(Slot::Order),
-            write(Slot::Occluders),
-            write(Slot::Nodes),
-        ],
-    ),
+    line(Kernel::OrderTriangles, "order_triangles", Stage::OrderTriangles, ORDER_TRIANGLES),
     line(Kernel::BuildLevel, "build_level", Stage::BuildLevel, &[write(Slot::Nodes)]),
     line(Kernel::Resolve32Exact, "resolve_32_exact", Stage::Resolve, RESOLVE),
     line(Kernel::Resolve32Fast, "resolve_32_fast", Stage::Resolve, RESOLVE),
@@ -337,7 +355,25 @@ pub const TABLE: [KernelInfo; 42] = [
     jittered(Kernel::Resolve32FastJitteredCounted, "resolve_32_fast_jittered_counted", RESOLVE_COUNTED),
     jittered(Kernel::Resolve64ExactJitteredCounted, "resolve_64_exact_jittered_counted", RESOLVE_COUNTED),
     jittered(Kernel::Resolve64FastJitteredCounted, "resolve_64_fast_jittered_counted", RESOLVE_COUNTED),
+    punctual(Kernel::KeyPunctualTriangles, "key_punctual_triangles", Stage::KeyTriangles, KEY_TRIANGLES),
+    punctual(Kernel::KeyPunctualReceivers, "key_punctual_receivers", Stage::KeyReceivers, KEY_RECEIVERS),
+    punctual(Kernel::OrderPunctualTriangles, "order_punctual_triangles", Stage::OrderTriangles, ORDER_TRIANGLES),
+    punctual(Kernel::ResolvePunctualExact, "resolve_punctual_exact", Stage::ResolvePunctual, RESOLVE),
+    punctual(Kernel::ResolvePunctualFast, "resolve_punctual_fast", Stage::ResolvePunctual, RESOLVE),
+    punctual(
+        Kernel::ResolvePunctualExactCounted,
+        "resolve_punctual_exact_counted",
+        Stage::ResolvePunctual,
+        RESOLVE_COUNTED,
+    ),
+    punctual(
+        Kernel::ResolvePunctualFastCounted,
+        "resolve_punctual_fast_counted",
+        Stage::ResolvePunctual,
+        RESOLVE_COUNTED,
+    ),
     line(Kernel::Reduce, "reduce", Stage::Reduce, &[read(Slot::Masks), write(Slot::LitCounts)]),
+    line(Kernel::Weigh, "weigh", Stage::Reduce, &[read(Slot::Masks), read(Slot::Weights), write(Slot::WeighedLight)]),
     line(
         Kernel::Pack,
         "pack",

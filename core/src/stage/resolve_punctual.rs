@@ -61,33 +61,49 @@ impl PunctualGroup {
     }
 }
 
-/// Finds the receivers of a group that are in shadow. A receiver that is drops out, and the walk ends with the last of them.
+/// Finds the receivers of a group that are in shadow.
 #[inline(always)]
 pub fn resolve_punctual<L: Lanes, P: PrecisionMode>(scene: &PunctualScene<'_>, group: &mut PunctualGroup) {
+    let PunctualScene { light, levels, nodes, occluders } = *scene;
+    resolve_among::<L, P>(light, levels, Root::top(levels), nodes, occluders, group);
+}
+
+/// The same, of the triangles under one node, its parts by themselves: kernels hold no structures of references. A receiver in
+/// shadow drops out, and the walk ends with the last of them.
+#[inline(always)]
+pub fn resolve_among<L: Lanes, P: PrecisionMode>(
+    light: Punctual,
+    levels: &Levels,
+    root: Root,
+    nodes: &[KeyTile],
+    occluders: &[Occluder],
+    group: &mut PunctualGroup,
+) {
     if group.active == 0 {
         return;
     }
     let need = group.needs.least::<L>(group.active);
-    let mut walk = Walk::new::<L>(scene.levels, Root::top(scene.levels), scene.nodes, &need);
+    let mut walk = Walk::new::<L>(levels, root, nodes, &need);
     let offsets = Offsets::new(&group.receivers, group.active);
-    while let Some((tile, mut bits)) = walk.next::<L>(scene.nodes, &need) {
+    while let Some((tile, mut bits)) = walk.next::<L>(nodes, &need) {
         while bits != 0 {
             let entry = bits.trailing_zeros() as usize;
             bits &= bits.wrapping_sub(1);
-            let (Some(keys), Some(occluder)) =
-                (scene.nodes.get(tile as usize), scene.occluders.get(tile as usize * NODE + entry))
-            else {
+            let place = tile as usize * NODE + entry;
+            if tile as usize >= nodes.len() || place >= occluders.len() {
                 continue;
-            };
-            let kept = group.needs.dominated_by::<L>(&keys.entry(entry)) & group.active;
+            }
+            let (keys, occluder) = (nodes[tile as usize].entry(entry), occluders[place]);
+            let kept = group.needs.dominated_by::<L>(&keys) & group.active;
             group.counts.pairs_tested += group.active.count_ones() as Tally;
             if kept == 0 {
                 continue;
             }
             group.counts.pairs_kept += kept.count_ones() as Tally;
-            let (light, corners, fallbacks) = (scene.light, occluder.corners(), &mut group.counts.fallbacks);
+            let corners = occluder.corners();
             let rule = |p| punctual::blocks(light, p, corners);
-            let blocked = punctual::blocked::<L, P>(light, &offsets, &group.receivers, occluder, kept, fallbacks, rule);
+            let (receivers, fallbacks) = (&group.receivers, &mut group.counts.fallbacks);
+            let blocked = punctual::blocked::<L, P>(light, &offsets, receivers, &occluder, kept, fallbacks, rule);
             group.counts.pairs_relevant += blocked.count_ones() as Tally;
             group.shadowed |= blocked;
             group.active &= !blocked;

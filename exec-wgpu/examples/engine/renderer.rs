@@ -4,7 +4,6 @@
 use std::mem::size_of;
 
 use umbra4_core::{
-    Lift,
     gbuffer::NormalEncoding,
     glam::{
         DMat4, DVec3, Mat4, Vec4,
@@ -254,8 +253,7 @@ impl Renderer {
                 },
                 resolution: Resolution::Full,
                 lights: &[Light {
-                    light,
-                    lift: Lift::NONE,
+                    lamp: light.into(),
                     visibility: Some(Image::Texture { texture: &self.targets.visibility, layer: 0 }),
                     masks: None,
                     history: None,

@@ -75,7 +75,7 @@ pub fn status(gpu: &Gpu, shadows: &SoftShadows) -> Status {
     bytemuck::pod_read_unaligned(&read(gpu, shadows.status(), size_of::<Status>() as u64))
 }
 
-fn check_lattice(got: &Expected, expected: &Expected) {
+pub fn check_lattice(got: &Expected, expected: &Expected) {
     assert_eq!(got.vertices, expected.vertices, "vertices");
     assert_eq!(got.triangles, expected.triangles, "triangles");
     assert_eq!(got.receivers, expected.receivers, "receivers");
@@ -98,7 +98,7 @@ fn check_frame(gpu: &Gpu, shadows: &mut SoftShadows, world: &World, light: AreaL
 }
 
 pub fn shadowed(light: AreaLight, image: Image<'_>) -> Light<'_> {
-    Light { light, lift: Lift::NONE, visibility: Some(image), masks: None, history: None }
+    Light { lamp: light.into(), visibility: Some(image), masks: None, history: None }
 }
 
 pub fn wish(triangles: u32) -> Wish {

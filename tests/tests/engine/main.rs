@@ -4,6 +4,7 @@
 mod example;
 mod fixture;
 mod frames;
+mod hard;
 mod pixels;
 mod refusals;
 #[path = "../../../exec-wgpu/examples/engine/renderer.rs"]
@@ -17,7 +18,7 @@ use umbra4_wgpu::Gpu;
 
 type Check = fn(&Gpu);
 
-const CHECKS: [(&str, Check); 19] = [
+const CHECKS: [(&str, Check); 20] = [
     ("a_frame_is_exact", frames::a_frame_is_exact),
     ("what_cannot_be_used_is_counted", frames::what_cannot_be_used_is_counted),
     ("every_encoding_of_normals", frames::every_encoding_of_normals),
@@ -25,6 +26,7 @@ const CHECKS: [(&str, Check); 19] = [
     ("two_frames_in_one_submission", frames::two_frames_in_one_submission),
     ("no_allocation_once_frames_repeat", frames::no_allocation_once_frames_repeat),
     ("jittered_frames_accumulate", frames::jittered_frames_accumulate),
+    ("lights_without_extent_are_exact", hard::lights_without_extent_are_exact),
     ("a_frame_without_triangles_is_lit", frames::a_frame_without_triangles_is_lit),
     ("depths_are_unprojected", frames::depths_are_unprojected),
     ("the_triangle_that_is_seen_decides_the_lift", pixels::the_triangle_that_is_seen_decides_the_lift),

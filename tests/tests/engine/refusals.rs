@@ -1,13 +1,13 @@
 //! Bad input: refused before anything is recorded, with the field and its value.
 
 use umbra4_core::{
-    AreaLight, Bounds, Lift,
+    AreaLight, Bounds, DirectionalLight, Lift, PointLight,
     gbuffer::NormalEncoding,
     glam::{DMat4, DVec3},
 };
 use umbra4_tests::device::{buffer, texture};
 use umbra4_wgpu::{
-    Frame, Gpu, History, Image, Indices, Instances, LatticeScene, Light, SoftShadows, Surface, VisibilityFormat,
+    Frame, Gpu, History, Image, Indices, Instances, Lamp, LatticeScene, Light, SoftShadows, Surface, VisibilityFormat,
     WgpuExecutor,
     wgpu::{
         BufferDescriptor, BufferUsages, CommandEncoderDescriptor, IndexFormat, TextureFormat, TextureUsages,
@@ -22,8 +22,7 @@ fn refused(gpu: &Gpu, world: &World, names: &str, change: impl FnOnce(&mut Frame
     let usage = TextureUsages::COPY_DST | TextureUsages::COPY_SRC;
     let target = texture(gpu, [SIZE[0], SIZE[1], 1], TextureFormat::R8Unorm, usage);
     let lights = [Light {
-        light: light(4, 4, -1.0),
-        lift: Lift::NONE,
+        lamp: light(4, 4, -1.0).into(),
         visibility: Some(Image::Texture { texture: &target, layer: 0 }),
         masks: None,
         history: None,
@@ -226,8 +225,20 @@ pub fn what_is_refused_is_named(gpu: &Gpu) {
     });
     refused(gpu, &world, "lights[1]: the light reaches outside the lattice", |frame, ask| {
         let far = AreaLight::new(DVec3::splat(100.0), DVec3::X, DVec3::Y, 4, 4).expect("a light with area");
-        ask(&Frame { lights: &[frame.lights[0], Light { light: far, ..frame.lights[0] }], ..*frame });
+        ask(&Frame { lights: &[frame.lights[0], Light { lamp: far.into(), ..frame.lights[0] }], ..*frame });
     });
+    let nowhere = DirectionalLight { towards: DVec3::ZERO };
+    for (names, lamp) in [
+        (
+            "lights[1]: light position: coordinate y is NaN",
+            PointLight { position: DVec3::new(0.0, f64::NAN, 0.0) }.into(),
+        ),
+        ("lights[1]: light direction is [0, 0, 0]", Lamp::from(nowhere)),
+    ] {
+        refused(gpu, &world, names, |frame, ask| {
+            ask(&Frame { lights: &[frame.lights[0], Light { lamp, ..frame.lights[0] }], ..*frame });
+        });
+    }
 }
 
 /// Nothing panics on a device that is gone, neither in a frame nor for the host.
@@ -237,8 +248,7 @@ pub fn a_lost_device_is_an_error(_: &Gpu) {
     let usage = TextureUsages::COPY_DST;
     let target = texture(&gpu, [SIZE[0], SIZE[1], 1], TextureFormat::R8Unorm, usage);
     let lights = [Light {
-        light: light(4, 4, -1.0),
-        lift: Lift::NONE,
+        lamp: light(4, 4, -1.0).into(),
         visibility: Some(Image::Texture { texture: &target, layer: 0 }),
         masks: None,
         history: None,

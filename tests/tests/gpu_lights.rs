@@ -1,0 +1,101 @@
+//! Lights without extent and emissions on a GPU, against the oracle. `UMBRA4_GPU` says which adapter must be there, see
+//! [`umbra4_tests::gpu::required`].
+
+use libtest_mimic::{Arguments, Failed, Trial};
+use umbra4_core::{LatticeLight, emission::Emission, glam::IVec3};
+use umbra4_tests::{
+    gpu::{announced, scene},
+    hard_shadows::property,
+    ledger::say,
+    rng::Rng,
+    scenes::{EXPONENTS, GENERATORS, SampleGrid},
+    weights::{expected, weights},
+};
+use umbra4_wgpu::{Gpu, GpuError, LatticeScene, WgpuExecutor};
+
+/// Scenes of each generator.
+const ROUNDS: usize = 3;
+/// Fewer receivers than most scenes have, so that blocks are tested as well.
+const BLOCK: u32 = 96;
+/// One of each way to store rows, and of the ends of each.
+const GRIDS: [(u32, u32); 6] = [(16, 16), (5, 31), (64, 64), (1, 1), (33, 17), (7, 33)];
+
+type Check = fn(&WgpuExecutor, &str) -> Result<(), Failed>;
+
+fn hard_shadows(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
+    let compared = property(name, ROUNDS, |inputs, light| {
+        let points = inputs.receivers.points();
+        let (words, statistics) = executor.hard_shadows(&scene(inputs), light, points).map_err(|e| e.to_string())?;
+        if words.len() != points.len().div_ceil(32) {
+            return Err(format!("{} words for {} receivers", words.len(), points.len()));
+        }
+        let bits: Vec<u16> = (0..points.len()).map(|r| (words[r / 32] >> (r % 32) & 1) as u16).collect();
+        let blocked: usize = bits.iter().map(|bit| usize::from(*bit)).sum();
+        let counts = statistics.counts.ok_or("counts were asked for")?;
+        // Each receiver in shadow has met the one triangle that ended its walk, and no other that blocks.
+        if counts.pairs_relevant != blocked as u64 {
+            return Err(format!("{blocked} in shadow: {counts:?}"));
+        }
+        Ok(bits)
+    });
+    say(&format!("hard shadows on a GPU, {name}: {} bits, {} blocked, 0 differ", compared.bits, compared.blocked));
+    Ok(())
+}
+
+fn emission(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
+    let (_, generator) = GENERATORS.iter().find(|(n, _)| *n == name).ok_or("no such generator")?;
+    let mut rng = Rng::named(1, &format!("emission {name}"));
+    for (round, (rows, columns)) in GRIDS.into_iter().enumerate() {
+        let grid = SampleGrid::regular(rows, columns);
+        let grid = if round % 2 == 1 { grid.jittered(&mut rng) } else { grid };
+        let inputs = generator(&mut rng, grid).inputs(EXPONENTS[round % EXPONENTS.len()]);
+        let weights = weights(&mut rng, inputs.light.sample_count() as usize);
+        let emission = Emission::new(rows, columns, &weights[..])?;
+        let (sums, _) = executor.light(&scene(&inputs), &inputs.light, inputs.receivers.points(), &emission)?;
+        let sums: Vec<[u64; 3]> = sums.iter().map(|sum| sum.map(u64::from)).collect();
+        let wanted = expected(&inputs, &weights);
+        if let Some(r) = (0..wanted.len()).find(|&r| sums.get(r) != Some(&wanted[r])) {
+            return Err(
+                format!("{name}, {rows}×{columns}, receiver {r}: {:?}, not {:?}", sums.get(r), wanted[r]).into()
+            );
+        }
+        assert_eq!(sums.len(), wanted.len());
+    }
+    Ok(())
+}
+
+fn refusals(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
+    let (_, generator) = GENERATORS.iter().find(|(n, _)| *n == name).ok_or("no such generator")?;
+    let inputs = generator(&mut Rng::named(0, "refusals"), SampleGrid::regular(4, 8)).inputs(0);
+    let other = Emission::new(8, 4, [[1; 3]; 32])?;
+    let refused = executor.light(&scene(&inputs), &inputs.light, inputs.receivers.points(), &other);
+    assert!(matches!(refused, Err(GpuError::EmissionSize { emission: [8, 4], light: [4, 8] })), "{refused:?}");
+    // A light that reaches none: behind it all is dark, and no triangle is looked at.
+    let back = LatticeLight { step_u: IVec3::X * 64, step_v: IVec3::Y * 64, origin: IVec3::ZERO, ..inputs.light };
+    let behind = [IVec3::new(0, 0, -9), IVec3::new(5, 5, -1), IVec3::ZERO];
+    let all = LatticeScene { vertices: &[IVec3::ZERO, IVec3::X * 99, IVec3::Z * 99], triangles: &[[0, 1, 2]; 40] };
+    let (lit, statistics) = executor.lit_counts(&all, &back, &behind)?;
+    assert_eq!(lit, [0; 3]);
+    assert_eq!(statistics.counts.map(|counts| counts.pairs_tested), Some(0));
+    let ran: Vec<&str> = statistics.stages.iter().map(|(stage, _)| stage.info().name).collect();
+    assert!(!ran.contains(&"key_triangles") && !ran.contains(&"order_triangles"), "{ran:?}");
+    Ok(())
+}
+
+fn main() {
+    let arguments = Arguments::from_args();
+    let (gpu, missing) = announced();
+    let mut checks: Vec<(String, Check, &str)> = vec![("refusals".to_owned(), refusals, GENERATORS[0].0)];
+    for (name, _) in GENERATORS {
+        checks.push((format!("hard_shadows::{name}"), hard_shadows, name));
+        checks.push((format!("emission::{name}"), emission, name));
+    }
+    let executor = |gpu: Gpu| WgpuExecutor::new(gpu).with_block(BLOCK).with_counts(true).with_stage_times(true);
+    let executor = std::sync::Arc::new(gpu.map(executor));
+    let trials = checks.into_iter().map(|(name, check, generator)| {
+        let executor = executor.clone();
+        let trial = Trial::test(name, move || check(executor.as_ref().as_ref().map_err(Failed::from)?, generator));
+        trial.with_ignored_flag(missing)
+    });
+    libtest_mimic::run(&arguments, trials.collect()).exit();
+}
