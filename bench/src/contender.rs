@@ -1,7 +1,7 @@
 //! The contenders: what they have in common, and how they are named.
 
 use thiserror::Error;
-use umbra4_core::Counts;
+use umbra4_core::{Counts, emission::EmissionError};
 use umbra4_cpu::{ExecutorError, Index, Precision, SceneError};
 
 use crate::{
@@ -28,9 +28,10 @@ pub struct Run {
 pub enum ContenderError {
     /// There is no such contender.
     #[error(
-        "no contender is called {name}; there are umbra4[-triangles|-silhouette], umbra4-fast, umbra4-arranged, umbra4-point (lights of one sample), obvhs[-cwbvh][-fast|-medium]; with the feature \
-         'embree' embree1, embree8 and embree16 with [-high][-robust][-square][-receivers][-avx2][-refit]; with the feature 'tinybvh', on \
-         a target with AVX2, tinybvh[-high]"
+        "no contender is called {name}; there are umbra4[-triangles|-silhouette], umbra4-fast, umbra4-arranged, \
+         umbra4-point (lights of one sample), obvhs[-cwbvh][-fast|-medium]; with the feature 'embree' embree1, embree8 and \
+         embree16 with [-high][-robust][-square][-receivers][-avx2][-refit]; with the feature 'tinybvh', on a target with \
+         AVX2, tinybvh[-high]"
     )]
     Unknown {
         /// The name asked for.
@@ -45,6 +46,9 @@ pub enum ContenderError {
         /// Samples of the light.
         samples: u32,
     },
+    /// There is no such emission.
+    #[error(transparent)]
+    Emission(#[from] EmissionError),
     /// umbra4 refuses the occluders.
     #[error(transparent)]
     Scene(#[from] SceneError),

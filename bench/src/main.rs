@@ -4,6 +4,7 @@ mod bvh_rival;
 mod compare;
 mod contender;
 mod curves;
+mod effects;
 #[cfg(feature = "embree")]
 mod embree;
 mod gpu;
@@ -37,6 +38,7 @@ use std::{path::PathBuf, process::ExitCode};
 use clap::{Args, Parser, Subcommand};
 use compare::{CompareError, Comparison, Options, compare};
 use curves::CurvesArgs;
+use effects::EffectsArgs;
 use gpu_args::GpuArgs;
 use lookup::LookupArgs;
 use memory::{ChildArgs, MemoryArgs};
@@ -65,6 +67,8 @@ enum Command {
     Sweep(SweepArgs),
     /// Measures where umbra4's time goes, and how far it is from its floor; prints a Markdown table.
     Stages(StagesArgs),
+    /// Measures what each effect costs beside a plain rectangle, and which stages it adds; prints a Markdown table.
+    Effects(EffectsArgs),
     /// Measures how umbra4's cost grows with triangles, receivers, the light's size and its samples; writes a .csv and an
     /// .svg a curve, and prints a Markdown table.
     Curves(CurvesArgs),
@@ -302,6 +306,7 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Compare(args) => run_compare(&args).map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::Sweep(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
+        Command::Effects(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::Stages(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::Curves(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::Memory(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),

@@ -152,6 +152,11 @@ impl<S: AsRef<[Weight]>> Emission<S> {
         self.weights.as_ref().get((row * self.columns + column) as usize).copied()
     }
 
+    /// The same, over borrowed weights.
+    pub fn by_reference(&self) -> Emission<&[Weight]> {
+        Emission { rows: self.rows, columns: self.columns, weights: self.weights.as_ref(), total: self.total }
+    }
+
     /// All weights, row by row.
     pub fn weights(&self) -> &[Weight] {
         self.weights.as_ref()

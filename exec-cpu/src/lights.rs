@@ -90,12 +90,16 @@ impl CpuExecutor {
     ) -> Result<Vec<(Lit, Statistics)>, ExecutorError> {
         let lit = |(index, source)| {
             let of_light = |error| ExecutorError::Light { index, source: Box::new(error) };
-            self.source(occluders, source, receivers).map_err(of_light)
+            self.light_of(occluders, source, receivers).map_err(of_light)
         };
         lights.iter().enumerate().map(lit).collect()
     }
 
-    fn source(
+    /// As [`CpuExecutor::lights`], of one light.
+    ///
+    /// # Errors
+    /// An emission of another number of rows or columns than the light's.
+    pub fn light_of(
         &self,
         occluders: &Occluders,
         source: &Source<'_>,

@@ -125,7 +125,7 @@ pub fn resolve<W: DeviceWord, P: PrecisionMode, S: Samples>(
         store(masks, index * pass.stride as usize + k, W::stored(&group.masks[0], rows, k, halves));
         k += 1;
     }
-    if !may_loop(pass.rounds) || k < pass.stride as usize {
+    if rounds_run(pass.rounds) < pass.rounds || k < pass.stride as usize {
         let last = masks.len().wrapping_sub(1);
         store(masks, last, STOPPED);
     }
@@ -151,14 +151,14 @@ pub fn resolve_counted<W: DeviceWord, P: PrecisionMode, S: Samples>(
     add_counts(params.pass().base, index, own, counts);
 }
 
-/// Whether loops still run.
+/// Rounds that a loop of `rounds` rounds runs: fewer where a driver has stopped the thread.
 #[inline(always)]
-pub(super) fn may_loop(rounds: u32) -> bool {
-    let mut k = 0;
-    while k < rounds {
-        k += 1;
+pub(super) fn rounds_run(most: u32) -> u32 {
+    let mut rounds = 0;
+    while rounds < most {
+        rounds += 1;
     }
-    k >= rounds
+    rounds
 }
 
 /// Adds to the counts of a receiver; the first slice of triangles starts them.

@@ -4,7 +4,7 @@ use crate::{
     hierarchy::Root,
     kernel::{
         fetch, point,
-        resolve::{ReceiverCounts, STOPPED, add_counts, may_loop},
+        resolve::{ReceiverCounts, STOPPED, add_counts, rounds_run},
         store,
     },
     occluder::Occluder,
@@ -61,7 +61,7 @@ pub fn resolve_punctual<P: PrecisionMode>(
     let root = Root { level: pass.level as usize, tile: pass.base };
     resolve_among::<f32, P>(light, &levels, root, nodes, occluders, &mut group);
     store(masks, place, group.shadowed & BLOCKED);
-    if !may_loop(pass.rounds) {
+    if rounds_run(pass.rounds) < pass.rounds {
         let last = masks.len().wrapping_sub(1);
         store(masks, last, STOPPED);
     }

@@ -1,0 +1,8 @@
+//! What each effect costs: the stages that it adds to those of a plain rectangle, and the time.
+
+mod args;
+mod case;
+mod measure;
+mod table;
+
+pub use args::EffectsArgs;
