@@ -50,8 +50,8 @@ fn of_light<'a>(
     Ok(Fractions::Weighted { emission, lit })
 }
 
-/// What `run` says of the front, and, where a light has one, of its back. What lies behind a light is not lit by it, so that
-/// the sum of both is no more than the whole.
+/// What `run` says of the front, and, where a light has one, of its back. What lies behind a light is not lit by it,
+/// so that the sum of both is no more than the whole.
 fn both_sides<T: Copy>(
     area: &AreaSource,
     report: &mut Report,

@@ -12,7 +12,7 @@ use crate::{
     fit,
     light::Light,
     light_file::{self, LightShape},
-    model::{self, Furnished, Model, Wanted},
+    model::{self, FileLights, Furnished, Model},
     scene_file::{self, SceneFile},
     shade::{self, Look},
 };
@@ -94,15 +94,15 @@ impl Setting {
     /// Reads a scene file or a model. Lights of models are passed over where an option gives one.
     fn load(path: &Path, option: Option<&'static str>) -> Result<Self, ProgramError> {
         if !scene_file::is_scene_file(path) {
-            let Furnished { model, lights, camera } =
-                model::load_furnished(path, Wanted { lights: option.is_none(), camera: true })?;
+            let lights = if option.is_none() { FileLights::Taken } else { FileLights::PassedOver };
+            let Furnished { model, lights, camera } = model::load_furnished(path, lights)?;
             return Ok(Self { model, lights, camera: camera.unwrap_or_default(), ground: true });
         }
         if let Some(option) = option {
             return Err(ProgramError::FileLights { option, file: path.display().to_string() });
         }
         let SceneFile { model, ground, camera, lights } = scene_file::read(path)?;
-        let furnished = model::load_furnished(&model, Wanted { lights: false, camera: true })?;
+        let furnished = model::load_furnished(&model, FileLights::PassedOver)?;
         let camera = camera.or(furnished.camera.unwrap_or_default());
         Ok(Self { model: furnished.model, lights, camera, ground })
     }

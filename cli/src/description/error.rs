@@ -20,12 +20,12 @@ pub enum DescriptionError {
     #[error(transparent)]
     Field(#[from] FieldError),
     /// Its kind.
-    #[error("field `kind` is '{found}': {known} are known")]
+    #[error("field `kind` is '{found}': known here are {known}")]
     Kind {
         /// What was found.
         found: String,
         /// What could be there.
-        known: &'static str,
+        known: String,
     },
     /// Its rectangle.
     #[error(transparent)]

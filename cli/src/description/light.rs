@@ -11,18 +11,30 @@ use umbra4_core::{
 use super::{DescriptionError, Fields, power, rectangle};
 use crate::light::{HardLight, InLight, Light, Source};
 
+/// Takes the fields of one kind of light. Returns where it shines from, and what it emits in the mean, red, green and
+/// blue, where colour and intensity are 1.
+type Read = fn(&mut Fields, &Path) -> Result<(Source, DVec3), DescriptionError>;
+
+/// All kinds, by name.
+const KINDS: [(&str, Read); 3] = [
+    (RECTANGLE, rectangle::read),
+    ("point", |fields, _| point(fields)),
+    ("directional", |fields, _| directional(fields)),
+];
+
+/// The one kind that nodes have.
+const RECTANGLE: &str = "rectangle";
+
 /// Reads a light with its own place in the world. `index` counts the lights of the file; pictures lie in `folder`.
 ///
 /// # Errors
 /// See [`DescriptionError`]; the light is named.
 pub fn light(index: usize, json: &RawValue, folder: &Path) -> Result<Light, InLight<DescriptionError>> {
     described(index, None, json, |fields| {
-        let kind: String = fields.required("kind")?;
-        match kind.as_str() {
-            "rectangle" => rectangle::read(fields, folder),
-            "point" => point(fields),
-            "directional" => directional(fields),
-            _ => Err(DescriptionError::Kind { found: kind, known: "rectangle, point and directional" }),
+        let found: String = fields.required("kind")?;
+        match KINDS.iter().find(|(kind, _)| *kind == found) {
+            Some((_, read)) => read(fields, folder),
+            None => Err(DescriptionError::Kind { found, known: KINDS.map(|(kind, _)| kind).join(", ") }),
         }
     })
 }
@@ -38,7 +50,7 @@ pub fn light_on_node(
     (folder, transform): (&Path, &DMat4),
 ) -> Result<Light, InLight<DescriptionError>> {
     described(index, name, json, |fields| match fields.optional::<String>("kind")? {
-        Some(kind) if kind != "rectangle" => Err(DescriptionError::Kind { found: kind, known: "on nodes, rectangles" }),
+        Some(found) if found != RECTANGLE => Err(DescriptionError::Kind { found, known: RECTANGLE.to_owned() }),
         _ => rectangle::read_on_node(fields, folder, transform),
     })
 }
@@ -114,7 +126,7 @@ mod tests {
             ("3", "light 2: not a light: invalid type: integer `3`, expected an object"),
             (r#"{"kind":"point","kind":"point"}"#, "light 2: not a light: field `kind` is there twice"),
             ("{}", "light 2: field `kind` is missing"),
-            (r#"{"kind":"moon"}"#, "field `kind` is 'moon': rectangle, point"),
+            (r#"{"kind":"moon"}"#, "field `kind` is 'moon': known here are rectangle, point, directional"),
             (r#"{"kind":"point","name":"a"}"#, "light 2 'a': field `position` is missing"),
             (r#"{"kind":"point","name":3}"#, "light 2: field `name`: invalid type"),
             (r#"{"kind":"point","position":[0,0,0],"size":3}"#, "field `size` is unknown"),

@@ -29,8 +29,8 @@ impl Lamp {
         Self { form }
     }
 
-    /// Irradiance at a point with that normal: of a light with an area (world units squared) the whole rectangle counts, as
-    /// if all of it emitted what the mean sample does.
+    /// Irradiance at a point with that normal: of a light with an area (world units squared) the whole rectangle
+    /// counts, as if all of it emitted what the mean sample does.
     pub fn irradiance(&self, position: DVec3, normal: DVec3) -> f64 {
         let (points, area, own_normal, two_sided) = match &self.form {
             Form::Area { points, area, normal, two_sided, .. } => (points, *area, *normal, *two_sided),

@@ -1,4 +1,5 @@
-//! glTF 2.0, .gltf and .glb: the triangles of all meshes of the scene, with their nodes' transforms; its lights and its camera.
+//! glTF 2.0, .gltf and .glb: the triangles of all meshes of the scene, with their nodes' transforms; its lights and
+//! its camera.
 
 use std::{borrow::Cow, path::Path};
 
@@ -10,7 +11,7 @@ use gltf::{
 };
 use umbra4_core::glam::{DMat4, DVec3};
 
-use super::{Furnished, Model, ModelError, Wanted, gltf_buffers, gltf_camera, gltf_lights};
+use super::{FileLights, Furnished, Model, ModelError, gltf_buffers, gltf_camera, gltf_lights};
 
 const FORMAT: &str = "glTF";
 const GLB_HEADER: u32 = 12;
@@ -20,16 +21,15 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Model<DVec3>, ModelErro
     triangles(&document, blob, &placed(&document)?, path)
 }
 
-/// The triangles, and what is wanted of lights and camera.
-pub(super) fn parse_furnished(bytes: &[u8], path: &Path, wanted: Wanted) -> Result<Furnished<DVec3>, ModelError> {
+/// The triangles, the lights where they are taken, and the camera.
+pub(super) fn parse_furnished(bytes: &[u8], path: &Path, lights: FileLights) -> Result<Furnished<DVec3>, ModelError> {
     let (document, blob) = open(bytes)?;
     let mut nodes = placed(&document)?;
     let model = triangles(&document, blob, &nodes, path)?;
     // As the file counts them, not as the tree is walked.
     nodes.sort_by_key(|(node, _)| node.index());
-    let lights = if wanted.lights { gltf_lights::read(&nodes, path)? } else { Vec::new() };
-    let camera = if wanted.camera { gltf_camera::read(&document, &nodes) } else { None };
-    Ok(Furnished { model, lights, camera })
+    let lights = if lights == FileLights::Taken { gltf_lights::read(&nodes, path)? } else { Vec::new() };
+    Ok(Furnished { model, lights, camera: gltf_camera::read(&document, &nodes) })
 }
 
 /// A node, and its transform to the world.

@@ -66,7 +66,7 @@ fn area(node: &Node<'_>) -> Option<Box<RawValue>> {
 
 #[cfg(test)]
 mod tests {
-    use crate::model::{Wanted, gltf::parse_furnished};
+    use crate::model::{FileLights, gltf::parse_furnished};
 
     use super::*;
 
@@ -86,8 +86,6 @@ mod tests {
         )
     }
 
-    const ALL: Wanted = Wanted { lights: true, camera: true };
-
     const NODES: &str = r#"{"name":"spot","translation":[1,2,3],"rotation":[-0.7071068,0,0,0.7071068],
         "extensions":{"KHR_lights_punctual":{"light":0}}},
         {"name":"sun","extensions":{"KHR_lights_punctual":{"light":1}}},
@@ -98,7 +96,7 @@ mod tests {
 
     #[test]
     fn lights_and_camera_stand_where_their_nodes_are() {
-        let read = parse_furnished(document(NODES, LIGHTS).as_bytes(), Path::new("x.gltf"), ALL).unwrap();
+        let read = parse_furnished(document(NODES, LIGHTS).as_bytes(), Path::new("x.gltf"), FileLights::Taken).unwrap();
         let labels: Vec<&str> = read.lights.iter().map(|light| light.label.as_str()).collect();
         assert_eq!(labels, ["light 0 'spot'", "light 1 'sun'", "light 2 'panel'"]);
         assert_eq!(read.lights[0].power, DVec3::new(4.0, 2.0, 0.0));
@@ -129,11 +127,11 @@ mod tests {
             let text = document(NODES, LIGHTS);
             assert!(text.contains(from), "{from}");
             let text = text.replace(from, to);
-            let parse = |wanted| parse_furnished(text.as_bytes(), Path::new("x.gltf"), wanted);
-            let message = parse(ALL).unwrap_err().to_string();
+            let parse = |lights| parse_furnished(text.as_bytes(), Path::new("x.gltf"), lights);
+            let message = parse(FileLights::Taken).unwrap_err().to_string();
             assert!(message.contains(words), "{message}");
-            // Where lights are not wanted, what is wrong with them does not matter.
-            assert!(parse(Wanted { lights: false, camera: true }).is_ok());
+            // Where lights are passed over, what is wrong with them does not matter.
+            assert!(parse(FileLights::PassedOver).is_ok());
         }
     }
 
@@ -144,10 +142,10 @@ mod tests {
             for byte in [0, b'9', b'-', b'"', b'}', 0xff] {
                 let mut broken = file.clone();
                 broken[position] = byte;
-                let _ = parse_furnished(&broken, Path::new("/nowhere/x.gltf"), ALL);
+                let _ = parse_furnished(&broken, Path::new("/nowhere/x.gltf"), FileLights::Taken);
             }
         }
         let other = String::from_utf8(file).unwrap().replace("\"type\":\"perspective\"", "\"type\":\"orthographic\"");
-        assert!(parse_furnished(other.as_bytes(), Path::new("x.gltf"), ALL).is_ok());
+        assert!(parse_furnished(other.as_bytes(), Path::new("x.gltf"), FileLights::Taken).is_ok());
     }
 }

@@ -37,19 +37,19 @@ pub struct Model<V = Vec3> {
 pub struct Furnished<V = Vec3> {
     /// The triangles.
     pub model: Model<V>,
-    /// Its lights, as far as they are wanted; glTF alone has some.
+    /// Its lights, where they are taken; glTF alone has some.
     pub lights: Vec<Light>,
-    /// Its first camera, if it is wanted and there is one; glTF alone has some.
+    /// Its first camera, if there is one; glTF alone has some.
     pub camera: Option<Viewpoint>,
 }
 
-/// What is wanted of a model's file beside its triangles.
+/// What becomes of the lights of a model's file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Wanted {
-    /// Lights: what is wrong with them is an error then, and not looked at otherwise.
-    pub lights: bool,
-    /// The camera.
-    pub camera: bool,
+pub enum FileLights {
+    /// They are read: what is wrong with them is an error.
+    Taken,
+    /// They are not looked at.
+    PassedOver,
 }
 
 /// Why a model is refused.
@@ -131,12 +131,12 @@ pub fn load_f64(path: &Path) -> Result<Model<DVec3>, InFile<ModelError>> {
 ///
 /// # Errors
 /// See [`ModelError`].
-pub fn load_furnished(path: &Path, wanted: Wanted) -> Result<Furnished, InFile<ModelError>> {
+pub fn load_furnished(path: &Path, lights: FileLights) -> Result<Furnished, InFile<ModelError>> {
     if !matches!(extension(path).as_str(), "gltf" | "glb") {
         return Ok(Furnished { model: load(path)?, ..Furnished::default() });
     }
     let parse = || {
-        let Furnished { model, lights, camera } = gltf::parse_furnished(&fs::read(path)?, path, wanted)?;
+        let Furnished { model, lights, camera } = gltf::parse_furnished(&fs::read(path)?, path, lights)?;
         check(&model)?;
         Ok(Furnished { model: rounded(model)?, lights, camera })
     };
