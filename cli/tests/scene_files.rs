@@ -221,6 +221,7 @@ fn bad_descriptions_are_refused() {
     ] {
         folder.write("scene.json", scene(&[&light]));
         folder.fail("render scene.json -o out.png", words);
+        folder.fail("info scene.json --size 16x16", words);
     }
     for (text, words) in [
         ("{", "scene.json: not a scene"),

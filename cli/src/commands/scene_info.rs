@@ -8,7 +8,7 @@ use super::{info, render};
 use crate::{
     args::{RenderArgs, SceneArgs},
     error::ProgramError,
-    executor::{self, AnyExecutor},
+    executor::AnyExecutor,
     light::{Light, Side, Source},
     on_lattice::OnLattice,
     primary,
@@ -19,19 +19,21 @@ pub(super) fn run(args: &SceneArgs) -> Result<(), ProgramError> {
     let args = RenderArgs { scene: args.clone(), ..RenderArgs::without_arguments() };
     let (width, height) = args.scene.pixels();
     scene::check_pixels(width, height)?;
-    executor::use_threads(&args.work.machine)?;
     let scene = Scene::load(&args.scene, None)?;
     let lights = render::lights_of(&args, &scene)?;
     let seen = primary::visible_surfaces(&scene.model, &scene.camera, width, height);
     let on_lattice = OnLattice::new(&scene.model, &seen, &lights)?;
     let executor = AnyExecutor::cpu(args.work.precision);
 
+    // All plans first: what is refused leaves nothing half said.
+    let plans: Vec<_> = lights.iter().map(|light| plans(light, &executor, &on_lattice)).collect::<Result<_, _>>()?;
+
     let mut out = stdout().lock();
     writeln!(out, "{} triangles", on_lattice.occluders.triangles().len())?;
     writeln!(out, "{} receivers, of {width}×{height} pixels", on_lattice.receivers.len())?;
-    for light in &lights {
+    for (light, plans) in lights.iter().zip(plans) {
         writeln!(out, "\n{}: {}", light.label, light.kind())?;
-        for (side, plan) in plans(light, &executor, &on_lattice)? {
+        for (side, plan) in plans {
             write!(out, "{side}{plan}")?;
         }
     }
