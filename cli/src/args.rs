@@ -5,7 +5,13 @@ use std::path::PathBuf;
 use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use umbra4_core::{Precision, glam::DVec3};
 
-use crate::hard_light::HardLight;
+use crate::{
+    camera::Viewpoint,
+    light::{HardLight, Light},
+};
+
+/// Options of lights with an area.
+const AREA_OPTIONS: [&str; 5] = ["light", "light_size", "light_distance", "samples", "jitter"];
 
 /// Exact soft shadows of area lights. Without a command: renders a built-in scene to umbra4.png.
 #[derive(Debug, Parser)]
@@ -19,25 +25,19 @@ pub struct Args {
 /// What the program can do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Render a model with the exact soft shadows of one area light
+    /// Render a model or a scene with the exact soft shadows of its lights
     Render(Box<RenderArgs>),
     /// Write the occlusion mask of every receiver, one bit a light sample
     Masks(MasksArgs),
     /// Measure what accuracy costs, for every way to buy it, on one page
     Report(Box<ReportArgs>),
     /// Show what this machine offers and what would run
-    Info,
+    Info(InfoArgs),
 }
 
-/// What is shown, and from where.
+/// Size of the picture.
 #[derive(Clone, Debug, ClapArgs)]
-pub struct SceneArgs {
-    /// Model: .obj, .ply, .ply.gz, .gltf, .glb, or .npy of shape (T, 3, 3)
-    #[arg(required_unless_present = "builtin", conflicts_with = "builtin")]
-    pub model: Option<PathBuf>,
-    /// Take the built-in scene instead of a model
-    #[arg(long)]
-    pub builtin: bool,
+pub struct SizeArgs {
     /// Size of the picture, WIDTHxHEIGHT
     #[arg(long, value_parser = size, default_value = "512x512", conflicts_with_all = ["width", "height"])]
     pub size: (u32, u32),
@@ -47,6 +47,36 @@ pub struct SceneArgs {
     /// Height of the picture
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..=32768))]
     pub height: Option<u32>,
+}
+
+impl Default for SizeArgs {
+    fn default() -> Self {
+        Self { size: (512, 512), width: None, height: None }
+    }
+}
+
+/// Options of `info`.
+#[derive(Clone, Debug, ClapArgs)]
+pub struct InfoArgs {
+    /// Scene file or model whose lights are planned for [default: an example]
+    pub scene: Option<PathBuf>,
+    /// Size of the picture that is planned for
+    #[command(flatten)]
+    pub size: SizeArgs,
+}
+
+/// What is shown, and from where.
+#[derive(Clone, Debug, Default, ClapArgs)]
+pub struct SceneArgs {
+    /// Model: .obj, .ply, .ply.gz, .gltf, .glb, or .npy of shape (T, 3, 3); or a scene file, .json
+    #[arg(required_unless_present = "builtin", conflicts_with = "builtin")]
+    pub model: Option<PathBuf>,
+    /// Take the built-in scene instead of a model
+    #[arg(long)]
+    pub builtin: bool,
+    /// Size of the picture
+    #[command(flatten)]
+    pub size: SizeArgs,
     /// Where the camera stands [default: fitted to the model]
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     pub camera_from: Option<DVec3>,
@@ -56,7 +86,8 @@ pub struct SceneArgs {
     /// Vertical angle of view, degrees
     #[arg(long, value_name = "DEGREES")]
     pub fov: Option<f64>,
-    /// Light: JSON with corner, edge_u and edge_v, three numbers each; shines towards edge_u × edge_v [default: fitted]
+    /// Light: JSON with corner, edge_u and edge_v, three numbers each; shines towards edge_u × edge_v [default: the
+    /// model's own, or fitted]
     #[arg(long, value_name = "LIGHT.json")]
     pub light: Option<PathBuf>,
     /// Edge of the fitted light, in diagonals of the model's box [default: 0.25]
@@ -85,16 +116,20 @@ pub struct RenderArgs {
     /// Receivers each way in every pixel of the picture: smooths edges
     #[arg(long, value_name = "K", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
     pub oversample: u32,
-    /// Light samples each way
-    #[arg(long, value_name = "N", default_value = "32", value_parser = ["8", "16", "32", "64"])]
-    pub samples: String,
-    /// Instead of a light with an area, one infinitely far away, by the direction towards it: hard shadows, on the processor
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, conflicts_with_all = ["lamp", "light", "light_size", "light_distance", "samples", "jitter"])]
+    /// Light samples each way [default: 32]
+    #[arg(long, value_name = "N", value_parser = ["8", "16", "32", "64"])]
+    pub samples: Option<String>,
+    /// Instead of a light with an area, one infinitely far away, by the direction towards it: hard shadows, on the
+    /// processor
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    #[arg(conflicts_with = "lamp", conflicts_with_all = AREA_OPTIONS)]
     pub sun: Option<DVec3>,
     /// The same, a point that shines to all sides
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, conflicts_with_all = ["light", "light_size", "light_distance", "samples", "jitter"])]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    #[arg(conflicts_with_all = AREA_OPTIONS)]
     pub lamp: Option<DVec3>,
-    /// Jitter the light samples, others in every frame, and accumulate so many frames: bands become noise, and then neither
+    /// Jitter the light samples, others in every frame, and accumulate so many frames: bands become noise, and then
+    /// neither
     #[arg(long, value_name = "FRAMES", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub jitter: Option<u32>,
     /// How the work is done
@@ -137,7 +172,8 @@ pub struct MasksArgs {
     /// Masks: uint16, uint32 or uint64 of shape (R, N), bit j of row i set where sample (i, j) is blocked
     #[arg(short, long, value_name = "MASKS.npy")]
     pub output: PathBuf,
-    /// Also write the integers on which the answer is exact: receivers, triangles, origin, step_u, step_v; with jitter, samples
+    /// Also write the integers on which the answer is exact: receivers, triangles, origin, step_u, step_v; with
+    /// jitter, samples
     #[arg(long, value_name = "L.npz")]
     pub lattice_out: Option<PathBuf>,
     /// Print counts and times as JSON
@@ -221,32 +257,50 @@ pub enum ExecutorArg {
 impl SceneArgs {
     /// The built-in scene with all defaults.
     pub fn built_in() -> Self {
-        Self {
-            model: None,
-            builtin: true,
-            size: (512, 512),
-            width: None,
-            height: None,
-            camera_from: None,
-            camera_to: None,
-            fov: None,
-            light: None,
-            light_size: None,
-            light_distance: None,
-            no_ground: false,
-        }
+        Self { builtin: true, ..Self::default() }
     }
 
     /// Width and height of the picture.
     pub fn pixels(&self) -> (u32, u32) {
-        (self.width.unwrap_or(self.size.0), self.height.unwrap_or(self.size.1))
+        let SizeArgs { size, width, height } = &self.size;
+        (width.unwrap_or(size.0), height.unwrap_or(size.1))
+    }
+
+    /// What is said about the camera.
+    pub fn viewpoint(&self) -> Viewpoint {
+        Viewpoint { from: self.camera_from, to: self.camera_to, fov: self.fov }
+    }
+
+    /// The option that gives a light, whatever lights a file has.
+    pub fn light_option(&self) -> Option<&'static str> {
+        let given = [
+            (self.light.is_some(), "--light"),
+            (self.light_size.is_some(), "--light-size"),
+            (self.light_distance.is_some(), "--light-distance"),
+        ];
+        given.into_iter().find_map(|(given, option)| given.then_some(option))
+    }
+}
+
+impl InfoArgs {
+    /// The scene that is planned for, if any.
+    pub fn scene_args(&self) -> Option<SceneArgs> {
+        let model = self.scene.clone()?;
+        Some(SceneArgs { model: Some(model), size: self.size.clone(), ..SceneArgs::default() })
     }
 }
 
 impl RenderArgs {
     /// The light without extent that is asked for instead of one with an area.
-    pub fn hard_light(&self) -> Option<HardLight> {
-        self.sun.map(HardLight::Sun).or(self.lamp.map(HardLight::Lamp))
+    pub fn hard_light(&self) -> Option<Light> {
+        let sun = self.sun.map(|towards| Light::hard("--sun", HardLight::Sun(towards)));
+        sun.or(self.lamp.map(|position| Light::hard("--lamp", HardLight::Lamp(position))))
+    }
+
+    /// The option that gives a light, whatever lights a file has.
+    pub fn light_option(&self) -> Option<&'static str> {
+        let hard = self.sun.map(|_| "--sun").or(self.lamp.map(|_| "--lamp"));
+        hard.or(self.scene.light_option())
     }
 
     /// The built-in scene with all defaults: what runs without a command.
@@ -256,7 +310,7 @@ impl RenderArgs {
             output: "umbra4.png".into(),
             view: View::Shaded,
             oversample: 1,
-            samples: "32".to_owned(),
+            samples: None,
             sun: None,
             lamp: None,
             jitter: None,

@@ -67,6 +67,38 @@ impl Camera {
     }
 }
 
+/// What a file says about the camera; what it leaves open is fitted to the model.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Viewpoint {
+    /// Where it stands, world.
+    pub from: Option<DVec3>,
+    /// What it looks at, world.
+    pub to: Option<DVec3>,
+    /// Vertical angle of view, degrees.
+    pub fov: Option<f64>,
+}
+
+impl Viewpoint {
+    /// Whether a camera can be what is said, whatever is left open.
+    ///
+    /// # Errors
+    /// As [`Camera::new`].
+    pub fn check(&self) -> Result<(), CameraError> {
+        // Points that stand for those left open, and an angle that is always one.
+        let (from, to) = self.from.zip(self.to).unwrap_or((DVec3::ZERO, DVec3::X));
+        Camera::new(from, to, self.fov.unwrap_or(45.0)).map(|_| ())
+    }
+
+    /// This one, where `other` says nothing.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        // A place and a direction belong together.
+        let (from, to) =
+            if self.from.is_some() || self.to.is_some() { (self.from, self.to) } else { (other.from, other.to) };
+        Self { from, to, fov: self.fov.or(other.fov) }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -85,5 +117,14 @@ mod tests {
         assert!(matches!(Camera::new(DVec3::ONE, DVec3::ZERO, 180.0), Err(CameraError::FieldOfView(_))));
         assert!(matches!(Camera::new(DVec3::NAN, DVec3::ZERO, 40.0), Err(CameraError::NotFinite { .. })));
         assert!(Camera::new(DVec3::ONE, DVec3::ONE + DVec3::Y, 40.0).is_ok());
+    }
+
+    #[test]
+    fn place_and_direction_come_from_one_viewpoint() {
+        let file = Viewpoint { from: Some(DVec3::ONE), to: Some(DVec3::ZERO), fov: Some(30.0) };
+        let wider = Viewpoint { fov: Some(60.0), ..Viewpoint::default() };
+        assert_eq!(wider.or(file), Viewpoint { fov: Some(60.0), ..file });
+        let elsewhere = Viewpoint { from: Some(DVec3::X), ..Viewpoint::default() };
+        assert_eq!(elsewhere.or(file), Viewpoint { fov: Some(30.0), ..elsewhere });
     }
 }

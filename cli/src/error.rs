@@ -2,7 +2,7 @@
 
 use std::{fmt::Display, io};
 
-use umbra4_core::{LatticeError, LightError, PunctualLightError, accumulate::AccumulationError};
+use umbra4_core::{LatticeError, LightError, accumulate::AccumulationError};
 use umbra4_cpu::{ExecutorError, SceneError};
 use umbra4_wgpu::GpuError;
 
@@ -10,10 +10,12 @@ use crate::{
     array_file::ArrayError,
     camera::CameraError,
     in_file::InFile,
+    light::{InLight, SnapLightError},
     light_file::LightFileError,
     model::ModelError,
     output::OutputError,
     report::{CompareError, RasterError},
+    scene_file::SceneFileError,
 };
 
 /// Why the program stopped.
@@ -28,10 +30,12 @@ pub enum ProgramError {
     LightFile(#[from] InFile<LightFileError>),
     /// A file to be written.
     Output(#[from] InFile<OutputError>),
+    /// A scene file.
+    SceneFile(#[from] InFile<SceneFileError>),
     /// The light, once sampled and snapped.
     Light(#[from] LightError),
-    /// A light without extent, once snapped.
-    HardLight(#[from] PunctualLightError),
+    /// One of several lights, once snapped.
+    SnapLight(#[from] InLight<SnapLightError>),
     /// The camera.
     Camera(#[from] CameraError),
     /// The world is too large.
@@ -58,11 +62,21 @@ pub enum ProgramError {
         /// How many can be.
         most: u64,
     },
-    /// Something that only lights with an area have.
-    #[error("{option} is for lights with an area, not for --sun and --lamp")]
+    /// Something that only plain rectangles have.
+    #[error("{option} is for lights with an area whose samples all emit the same, not for {light}")]
     AreaOnly {
         /// What was asked for.
         option: &'static str,
+        /// The light that is something else, and what it is.
+        light: String,
+    },
+    /// Something that a file with lights of its own says already.
+    #[error("{option} is not for {file}: it has lights of its own")]
+    FileLights {
+        /// What was asked for.
+        option: &'static str,
+        /// The scene file or the model.
+        file: String,
     },
     /// A number of threads that the system does not give.
     #[error("cannot start {threads} threads: {reason}")]

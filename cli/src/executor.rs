@@ -1,12 +1,13 @@
 //! Where the work is done: on the processor, or on a GPU. The bits are the same.
 
-use umbra4_core::{Counts, LatticeLight, Punctual};
+use umbra4_core::{Counts, LatticeLight, Plan, Punctual};
 use umbra4_cpu::{CpuExecutor, CpuWord, Occluders, Receivers};
 use umbra4_wgpu::{Choice, Gpu, LatticeScene, WgpuExecutor};
 
 use crate::{
     args::{ExecutorArg, MachineArgs, PrecisionArg, WorkArgs},
     error::ProgramError,
+    light::Weights,
 };
 
 /// What is asked about.
@@ -16,8 +17,8 @@ pub type Scene<'a> = (&'a Occluders, &'a LatticeLight, &'a Receivers);
 pub enum AnyExecutor {
     /// On rayon's threads.
     Cpu(CpuExecutor),
-    /// On a GPU.
-    Gpu(Box<WgpuExecutor>),
+    /// On a GPU; and on rayon's threads what there is no stage for on GPUs yet.
+    Gpu(Box<WgpuExecutor>, CpuExecutor),
 }
 
 /// What a run did, whoever ran it.
@@ -89,20 +90,20 @@ impl AnyExecutor {
 
     /// On the processor.
     pub fn cpu(precision: PrecisionArg) -> Self {
-        Self::Cpu(CpuExecutor::new().with_precision(precision.into()))
+        Self::Cpu(processor(precision))
     }
 
     /// On a GPU.
     pub fn gpu(gpu: Gpu, precision: PrecisionArg) -> Self {
         let executor = WgpuExecutor::new(gpu).with_counts(true).with_stage_times(true);
-        Self::Gpu(Box::new(executor.with_precision(precision.into())))
+        Self::Gpu(Box::new(executor.with_precision(precision.into())), processor(precision))
     }
 
     /// What it runs on.
     pub fn name(&self) -> String {
         match self {
             Self::Cpu(cpu) => format!("cpu, {} threads, {}", rayon::current_num_threads(), cpu.isa()),
-            Self::Gpu(gpu) => gpu.gpu().name.clone(),
+            Self::Gpu(gpu, _) => gpu.gpu().name.clone(),
         }
     }
 
@@ -117,7 +118,7 @@ impl AnyExecutor {
                 let (masks, statistics) = cpu.masks::<W>(occluders, light, receivers)?;
                 Ok((masks.into_words(), statistics.into()))
             }
-            Self::Gpu(gpu) => {
+            Self::Gpu(gpu, _) => {
                 let (masks, statistics) = gpu.masks::<W>(&on_lattice(occluders), light, receivers.points())?;
                 Ok((masks, statistics.into()))
             }
@@ -135,7 +136,7 @@ impl AnyExecutor {
                 let (visibility, statistics) = cpu.visibility(occluders, light, receivers)?;
                 Ok((visibility, statistics.into()))
             }
-            Self::Gpu(gpu) => {
+            Self::Gpu(gpu, _) => {
                 let (visibility, statistics) = gpu.visibility(&on_lattice(occluders), light, receivers.points())?;
                 Ok((visibility, statistics.into()))
             }
@@ -153,25 +154,47 @@ impl AnyExecutor {
                 let (lit, statistics) = cpu.lit_counts(occluders, light, receivers)?;
                 Ok((lit, statistics.into()))
             }
-            Self::Gpu(gpu) => {
+            Self::Gpu(gpu, _) => {
                 let (lit, statistics) = gpu.lit_counts(&on_lattice(occluders), light, receivers.points())?;
                 Ok((lit, statistics.into()))
             }
         }
     }
 
-    /// Which receivers a light without extent reaches: 1 where it does, 0 where it is blocked.
+    /// What the processor would run for the fraction of lit samples.
+    pub fn plan(&self, scene: Scene<'_>) -> Plan {
+        let (occluders, light, receivers) = scene;
+        self.processor().plan(occluders, light, receivers, true)
+    }
+
+    /// The processor, which has all stages.
+    fn processor(&self) -> &CpuExecutor {
+        match self {
+            Self::Cpu(cpu) | Self::Gpu(_, cpu) => cpu,
+        }
+    }
+
+    /// Sums of the weights of the lit samples of every receiver; on the processor.
     ///
     /// # Errors
-    /// The executor's; one on a GPU, which has no such stage yet.
+    /// The executor's.
+    pub fn light(&self, scene: Scene<'_>, emission: &Weights) -> Result<(Vec<[u32; 3]>, Report), ProgramError> {
+        let (occluders, light, receivers) = scene;
+        let (lit, statistics) = self.processor().light(occluders, light, receivers, emission)?;
+        Ok((lit, statistics.into()))
+    }
+
+    /// Which receivers a light without extent reaches: 1 where it does, 0 where it is blocked; on the processor.
+    ///
+    /// # Errors
+    /// The executor's.
     pub fn hard_visibility(
         &self,
         occluders: &Occluders,
         light: &Punctual,
         receivers: &Receivers,
     ) -> Result<(Vec<f32>, Report), ProgramError> {
-        let Self::Cpu(cpu) = self else { return Err(ProgramError::AreaOnly { option: "--executor gpu" }) };
-        let (shadows, statistics) = cpu.hard_shadows(occluders, light, receivers)?;
+        let (shadows, statistics) = self.processor().hard_shadows(occluders, light, receivers)?;
         let lit = |receiver| if shadows.is_blocked(receiver) == Some(true) { 0.0 } else { 1.0 };
         Ok(((0..receivers.len()).map(lit).collect(), statistics.into()))
     }
@@ -187,7 +210,7 @@ impl AnyExecutor {
                 let (pairs, statistics) = cpu.pairs_per_receiver(occluders, light, receivers)?;
                 Ok((pairs, statistics.into()))
             }
-            Self::Gpu(gpu) => {
+            Self::Gpu(gpu, _) => {
                 let (pairs, statistics) = gpu.pairs_per_receiver(&on_lattice(occluders), light, receivers.points())?;
                 Ok((pairs, statistics.into()))
             }
@@ -210,6 +233,10 @@ pub fn use_threads(machine: &MachineArgs) -> Result<(), ProgramError> {
 /// The adapter that the command line asks for.
 pub fn choice(machine: &MachineArgs) -> Choice {
     machine.adapter.clone().map_or(Choice::Hardware, Choice::Named)
+}
+
+fn processor(precision: PrecisionArg) -> CpuExecutor {
+    CpuExecutor::new().with_precision(precision.into())
 }
 
 fn on_lattice(occluders: &Occluders) -> LatticeScene<'_> {

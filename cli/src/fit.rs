@@ -6,13 +6,13 @@ use umbra4_core::{
 };
 
 use crate::{
-    camera::{Camera, CameraError},
+    camera::{Camera, CameraError, Viewpoint},
     light_file::LightShape,
     model::Model,
 };
 
 /// Vertical angle of view, degrees, where none is asked for.
-pub const FOV: f64 = 35.0;
+const FOV: f64 = 35.0;
 
 /// From the model's middle towards the fitted camera.
 const CAMERA_SIDE: DVec3 = DVec3::new(0.55, 0.5, 1.0);
@@ -33,10 +33,11 @@ pub fn diagonal(bounds: Bounds) -> f64 {
 ///
 /// # Errors
 /// As [`Camera::new`].
-pub fn camera(bounds: Bounds, from: Option<DVec3>, to: Option<DVec3>, fov: f64) -> Result<Camera, CameraError> {
-    let to = to.unwrap_or(bounds.center());
+pub fn camera(bounds: Bounds, given: Viewpoint) -> Result<Camera, CameraError> {
+    let fov = given.fov.unwrap_or(FOV);
+    let to = given.to.unwrap_or(bounds.center());
     let distance = 0.5 * diagonal(bounds) / (fov.to_radians() * 0.5).sin().max(1e-6);
-    Camera::new(from.unwrap_or(to + CAMERA_SIDE.normalize() * distance), to, fov)
+    Camera::new(given.from.unwrap_or(to + CAMERA_SIDE.normalize() * distance), to, fov)
 }
 
 /// A square light that faces the middle of `bounds`. `size` is the length of its edges and `distance` how far its
@@ -81,7 +82,7 @@ mod tests {
     #[test]
     fn a_point_sized_model_still_has_a_camera() {
         let point = Bounds { min: DVec3::ONE, max: DVec3::ONE };
-        assert!(camera(point, None, None, FOV).is_ok());
+        assert!(camera(point, Viewpoint::default()).is_ok());
     }
 
     #[test]

@@ -39,8 +39,22 @@ impl LightShape {
     /// # Errors
     /// As [`AreaLight::new`].
     pub fn sampled(&self, samples: u32) -> Result<AreaLight, LightError> {
+        self.grid(samples, samples)
+    }
+
+    /// The light with `rows` × `columns` samples.
+    ///
+    /// # Errors
+    /// As [`AreaLight::new`].
+    pub fn grid(&self, rows: u32, columns: u32) -> Result<AreaLight, LightError> {
         let [corner, edge_u, edge_v] = [self.corner, self.edge_u, self.edge_v].map(DVec3::from_array);
-        AreaLight::new(corner, edge_u, edge_v, samples, samples)
+        AreaLight::new(corner, edge_u, edge_v, rows, columns)
+    }
+
+    /// The same rectangle, shining to the other side: rows run where columns did.
+    #[must_use]
+    pub fn exchanged(&self) -> Self {
+        Self { corner: self.corner, edge_u: self.edge_v, edge_v: self.edge_u }
     }
 }
 

@@ -1,16 +1,20 @@
-//! What is shown, and how: a model or the built-in scene, with camera and light given or fitted.
+//! What is shown, and how: a model, a scene file or the built-in scene, with camera and light given or fitted.
+
+use std::path::Path;
 
 use umbra4_core::glam::{DVec3, Vec3};
 
 use crate::{
     args::SceneArgs,
     builtin::BuiltinScene,
-    camera::Camera,
+    camera::{Camera, Viewpoint},
     error::ProgramError,
     fit,
+    light::Light,
     light_file::{self, LightShape},
-    model::{self, Model},
-    shade::Look,
+    model::{self, FileLights, Furnished, Model},
+    scene_file::{self, SceneFile},
+    shade::{self, Look},
 };
 
 /// Everything that is shown, and how.
@@ -22,8 +26,10 @@ pub struct Scene {
     pub colors: Vec<Vec3>,
     /// Where it is seen from.
     pub camera: Camera,
-    /// The light, without a number of samples.
+    /// The light that is given or fitted, without a number of samples.
     pub light: LightShape,
+    /// The lights of the file, which are there instead; none where the command line gives one.
+    pub lights: Vec<Light>,
     /// Middle of what is shown, world.
     pub focus: DVec3,
     /// Distance from `focus` at which surfaces have faded into the backdrop, world.
@@ -44,33 +50,60 @@ pub fn check_pixels(width: u32, height: u32) -> Result<(), ProgramError> {
 }
 
 impl Scene {
-    /// What the command line asks for.
+    /// What the command line asks for. `option` is the one that gives a light there, whatever lights a file has.
     ///
     /// # Errors
-    /// A model or a light that cannot be read; a camera that looks nowhere; a light without area.
-    pub fn load(args: &SceneArgs) -> Result<Self, ProgramError> {
+    /// A file that cannot be read, or that the option does not go with; a camera that looks nowhere.
+    pub fn load(args: &SceneArgs, option: Option<&'static str>) -> Result<Self, ProgramError> {
         let shape = args.light.as_deref().map(light_file::read).transpose()?;
         let Some(path) = &args.model else {
             let BuiltinScene { model, colors, light } = BuiltinScene::new();
-            let camera = BuiltinScene::camera(args.camera_from, args.camera_to, args.fov)?;
-            let light = shape.unwrap_or(light);
-            return Ok(Self { model, colors, camera, light, focus: BuiltinScene::FOCUS, fade: BuiltinScene::FADE });
+            let camera = BuiltinScene::camera(args.viewpoint())?;
+            let (light, focus, fade) = (shape.unwrap_or(light), BuiltinScene::FOCUS, BuiltinScene::FADE);
+            return Ok(Self { model, colors, camera, light, lights: Vec::new(), focus, fade });
         };
-        let mut model = model::load(path)?;
+        let Setting { mut model, lights, camera, ground } = Setting::load(path, option)?;
         let bounds = model.bounds();
-        let camera = fit::camera(bounds, args.camera_from, args.camera_to, args.fov.unwrap_or(fit::FOV))?;
+        let camera = fit::camera(bounds, args.viewpoint().or(camera))?;
         let fitted =
             || fit::light(bounds, args.light_size.unwrap_or(LIGHT_SIZE), args.light_distance.unwrap_or(LIGHT_DISTANCE));
         let light = shape.unwrap_or_else(fitted);
-        if !args.no_ground {
+        if ground && !args.no_ground {
             model.append(&fit::ground(bounds));
         }
         let fade = fit::FADE * fit::diagonal(bounds);
-        Ok(Self { model, colors: Vec::new(), camera, light, focus: bounds.center(), fade })
+        Ok(Self { model, colors: Vec::new(), camera, light, lights, focus: bounds.center(), fade })
     }
 
-    /// How its surfaces reflect.
+    /// How its surfaces reflect, and what light of power 1 looks like.
     pub fn look(&self) -> Look<'_> {
-        Look { colors: &self.colors, focus: self.focus, fade: self.fade }
+        let white = if self.lights.is_empty() { shade::WARM } else { shade::NEUTRAL };
+        Look { colors: &self.colors, focus: self.focus, fade: self.fade, white }
+    }
+}
+
+/// What a file says.
+struct Setting {
+    model: Model,
+    lights: Vec<Light>,
+    camera: Viewpoint,
+    ground: bool,
+}
+
+impl Setting {
+    /// Reads a scene file or a model. Lights of models are passed over where an option gives one.
+    fn load(path: &Path, option: Option<&'static str>) -> Result<Self, ProgramError> {
+        if !scene_file::is_scene_file(path) {
+            let lights = if option.is_none() { FileLights::Taken } else { FileLights::PassedOver };
+            let Furnished { model, lights, camera } = model::load_furnished(path, lights)?;
+            return Ok(Self { model, lights, camera: camera.unwrap_or_default(), ground: true });
+        }
+        if let Some(option) = option {
+            return Err(ProgramError::FileLights { option, file: path.display().to_string() });
+        }
+        let SceneFile { model, ground, camera, lights } = scene_file::read(path)?;
+        let furnished = model::load_furnished(&model, FileLights::PassedOver)?;
+        let camera = camera.or(furnished.camera.unwrap_or_default());
+        Ok(Self { model: furnished.model, lights, camera, ground })
     }
 }

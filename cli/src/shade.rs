@@ -1,13 +1,11 @@
 //! From what the executor says about every receiver to a picture.
 
 use rayon::prelude::*;
-use umbra4_core::{
-    AreaLight,
-    glam::{DVec3, Vec3},
-};
+use umbra4_core::glam::{DVec3, Vec3};
 
 use crate::{
-    hard_light::HardLight,
+    fractions::Fractions,
+    light::{Lamp, Light},
     picture::{Meaning, Picture},
     primary::{GBuffer, Hit},
 };
@@ -19,10 +17,10 @@ const BACKDROP: Vec3 = Vec3::new(0.66, 0.68, 0.70);
 /// Light of the sky, from above, and what the ground sends back, from below.
 const SKY: Vec3 = Vec3::new(0.125, 0.150, 0.190);
 const BOUNCE: Vec3 = Vec3::new(0.070, 0.060, 0.050);
-/// Colour of the lamp.
-const WARM: Vec3 = Vec3::new(1.62, 1.46, 1.22);
-/// Points each way by which the lamp's form factor is found.
-const FORM_FACTOR: u32 = 4;
+/// White light of a lamp.
+pub const WARM: Vec3 = Vec3::new(1.62, 1.46, 1.22);
+/// White light of lights that have a colour of their own: as bright, and white.
+pub const NEUTRAL: Vec3 = Vec3::splat(1.45);
 
 /// How surfaces reflect, and how the picture is set up.
 #[derive(Clone, Copy, Debug)]
@@ -33,37 +31,53 @@ pub struct Look<'a> {
     pub focus: DVec3,
     /// Distance from `focus` at which surfaces have faded into the backdrop, world.
     pub fade: f64,
+    /// What a surface at the focus sends back of all lights, were it white.
+    pub white: Vec3,
 }
 
-/// What lights the scene.
-#[derive(Clone, Copy, Debug)]
-pub enum Emitter {
-    /// A light with an area.
-    Area(AreaLight),
-    /// One without.
-    Hard(HardLight),
-}
-
-/// The lit scene. `visibility` holds a value for every pixel that sees something, in order.
-pub fn shaded(seen: &GBuffer, visibility: &[f32], light: &Emitter, look: &Look<'_>) -> Picture {
-    let lamp = Lamp::new(light);
-    let at_focus = lamp.facing(look.focus).max(f64::MIN_POSITIVE);
-    let mut lit = visibility.iter();
-    let receivers: Vec<Option<(Hit, f32)>> =
-        seen.hits.iter().map(|hit| hit.map(|hit| (hit, lit.next().copied().unwrap_or(1.0)))).collect();
+/// The lit scene. `fractions` holds those of every light, for every pixel that sees something, in order.
+pub fn shaded(seen: &GBuffer, lights: &[Light], fractions: &[Fractions<'_>], look: &Look<'_>) -> Picture {
+    let lamps: Vec<(&Light, Lamp)> = lights.iter().map(|light| (light, Lamp::new(light))).collect();
+    let irradiance = |light: &Light, lamp: &Lamp, hit: &Hit| {
+        light.power * lamp.irradiance(hit.position.as_dvec3(), hit.normal.as_dvec3())
+    };
+    let unit = exposure(&lamps, seen, look.focus, irradiance);
+    let direct = |receiver: usize, hit: &Hit| {
+        let of_light = |((light, lamp), fractions): (&(&Light, Lamp), &Fractions<'_>)| {
+            (irradiance(light, lamp, hit) / unit).as_vec3() * fractions.color(receiver)
+        };
+        lamps.iter().zip(fractions).map(of_light).sum::<Vec3>()
+    };
+    let mut receivers = 0..;
+    let receivers: Vec<Option<(&Hit, usize)>> =
+        seen.hits.iter().map(|hit| hit.as_ref().zip(hit.and_then(|_| receivers.next()))).collect();
     let pixels = receivers
         .par_iter()
         .map(|receiver| {
-            let Some((hit, visible)) = receiver else { return BACKDROP };
-            let (position, normal) = (hit.position.as_dvec3(), hit.normal.as_dvec3());
+            let Some((hit, receiver)) = *receiver else { return BACKDROP };
             let color = look.colors.get(hit.triangle as usize).copied().unwrap_or(PLAIN);
-            let direct = (lamp.irradiance(position, normal) / at_focus) as f32 * visible;
             let ambient = BOUNCE.lerp(SKY, hit.normal.y * 0.5 + 0.5);
-            let light = color * (WARM * direct + ambient);
-            light.lerp(BACKDROP, fade(position.distance(look.focus) / look.fade))
+            let light = color * (look.white * direct(receiver, hit) + ambient);
+            light.lerp(BACKDROP, fade(hit.position.as_dvec3().distance(look.focus) / look.fade))
         })
         .collect();
     picture(seen, pixels, Meaning::Light)
+}
+
+/// The irradiance that is shown as white: that of all lights at the focus, or, where none shines there, the largest.
+fn exposure(
+    lamps: &[(&Light, Lamp)],
+    seen: &GBuffer,
+    focus: DVec3,
+    irradiance: impl Fn(&Light, &Lamp, &Hit) -> DVec3 + Sync,
+) -> f64 {
+    let at_focus: DVec3 = lamps.iter().map(|(light, lamp)| light.power * lamp.facing(focus)).sum();
+    if at_focus.max_element() > 0.0 {
+        return at_focus.max_element();
+    }
+    let all = |hit: &Hit| lamps.iter().map(|(light, lamp)| irradiance(light, lamp, hit)).sum::<DVec3>().max_element();
+    let largest = seen.hits.par_iter().flatten().map(all).reduce(|| 0.0, f64::max);
+    if largest > 0.0 { largest } else { 1.0 }
 }
 
 /// The fraction of lit samples, as a gray.
@@ -114,62 +128,12 @@ fn fade(distance: f64) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// The light without its occluders.
-enum Lamp {
-    /// A few points that stand for its area, its normal and its middle.
-    Area { points: Vec<DVec3>, normal: DVec3, center: DVec3 },
-    /// As it is.
-    Hard(HardLight),
-}
-
-impl Lamp {
-    fn new(light: &Emitter) -> Self {
-        let light = match light {
-            Emitter::Area(light) => light,
-            Emitter::Hard(light) => return Self::Hard(*light),
-        };
-        let [corner, along_u, _, along_v] = light.corners();
-        let (u, v) = (along_u - corner, along_v - corner);
-        let at = |i: u32| (f64::from(i) + 0.5) / f64::from(FORM_FACTOR);
-        let points = (0..FORM_FACTOR * FORM_FACTOR)
-            .map(|i| corner + u * at(i % FORM_FACTOR) + v * at(i / FORM_FACTOR))
-            .collect();
-        Self::Area {
-            points,
-            normal: u.normalize_or_zero().cross(v.normalize_or_zero()).normalize_or_zero(),
-            center: light.center(),
-        }
-    }
-
-    /// Irradiance at an unoccluded point, up to the lamp's power.
-    fn irradiance(&self, position: DVec3, normal: DVec3) -> f64 {
-        let (points, own_normal) = match self {
-            Self::Area { points, normal, .. } => (points, normal),
-            Self::Hard(light) => return light.irradiance(position, normal),
-        };
-        let from = |point: &DVec3| {
-            let towards = point - position;
-            let squared = towards.length_squared().max(f64::MIN_POSITIVE);
-            let cosines = normal.dot(towards).max(0.0) * own_normal.dot(-towards).max(0.0);
-            cosines / (squared * squared)
-        };
-        points.iter().map(from).sum()
-    }
-
-    /// As [`Lamp::irradiance`], on a surface that is tilted half-way towards the lamp.
-    fn facing(&self, position: DVec3) -> f64 {
-        let towards = match self {
-            Self::Area { center, .. } | Self::Hard(HardLight::Lamp(center)) => *center - position,
-            Self::Hard(HardLight::Sun(towards)) => *towards,
-        };
-        let towards = towards.normalize_or(DVec3::Y);
-        self.irradiance(position, (towards + DVec3::Y).normalize_or(DVec3::Y))
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use umbra4_core::AreaLight;
+
     use super::*;
+    use crate::light::HardLight;
 
     fn one_hit() -> GBuffer {
         let hit = Hit { position: Vec3::ZERO, normal: Vec3::Y, triangle: 0 };
@@ -184,10 +148,33 @@ mod tests {
     #[test]
     fn the_lamp_lights_what_it_faces() {
         let light = AreaLight::new(DVec3::new(-0.5, 2.0, -0.5), DVec3::X, DVec3::Z, 4, 4).unwrap();
-        let look = Look { colors: &[], focus: DVec3::ZERO, fade: 100.0 };
-        let lit = shaded(&one_hit(), &[1.0], &Emitter::Area(light), &look).pixels[1];
-        let dark = shaded(&one_hit(), &[0.0], &Emitter::Area(light), &look).pixels[1];
+        let lights = [Light::plain("lamp", light)];
+        let [lit, dark] = [1.0, 0.0].map(|fraction| pixel(&lights, fraction));
         assert!(lit.x > 3.0 * dark.x && dark.x > 0.0);
+    }
+
+    #[test]
+    fn lights_add_up_and_have_colours() {
+        let red = Light { power: DVec3::X, ..Light::hard("red", HardLight::Sun(DVec3::Y)) };
+        let blue = Light { power: DVec3::Z, ..Light::hard("blue", HardLight::Sun(DVec3::Y)) };
+        let [both, red] = [vec![red.clone(), blue], vec![red]].map(|lights| pixel(&lights, 1.0) - pixel(&lights, 0.0));
+        let expected = NEUTRAL * PLAIN;
+        assert!((both - Vec3::new(expected.x, 0.0, expected.z)).abs().max_element() < 1e-6, "{both}");
+        assert!((red - Vec3::new(expected.x, 0.0, 0.0)).abs().max_element() < 1e-6, "{red}");
+    }
+
+    #[test]
+    fn lights_that_miss_the_focus_still_light_what_they_meet() {
+        let below = Light::hard("below", HardLight::Sun(DVec3::NEG_Y));
+        assert_eq!(pixel(&[below], 1.0), pixel(&[], 1.0));
+        let dark = Light { power: DVec3::ZERO, ..Light::hard("dark", HardLight::Sun(DVec3::Y)) };
+        assert_eq!(pixel(&[dark], 1.0), pixel(&[], 1.0));
+    }
+
+    fn pixel(lights: &[Light], fraction: f32) -> Vec3 {
+        let look = Look { colors: &[], focus: DVec3::ZERO, fade: 100.0, white: NEUTRAL };
+        let fractions: Vec<Fractions<'_>> = lights.iter().map(|_| Fractions::Plain(vec![fraction])).collect();
+        shaded(&one_hit(), lights, &fractions, &look).pixels[1]
     }
 
     #[test]

@@ -14,7 +14,7 @@ mod truss;
 use umbra4_core::glam::{DVec3, Vec3};
 
 use crate::{
-    camera::{Camera, CameraError},
+    camera::{Camera, CameraError, Viewpoint},
     light_file::LightShape,
     model::Model,
 };
@@ -57,9 +57,9 @@ impl BuiltinScene {
     ///
     /// # Errors
     /// As [`Camera::new`].
-    pub fn camera(from: Option<DVec3>, to: Option<DVec3>, fov: Option<f64>) -> Result<Camera, CameraError> {
-        let from = from.unwrap_or(DVec3::new(2.2, 6.9, 17.8));
-        Camera::new(from, to.unwrap_or(DVec3::new(0.1, 1.55, 0.0)), fov.unwrap_or(FOV))
+    pub fn camera(given: Viewpoint) -> Result<Camera, CameraError> {
+        let from = given.from.unwrap_or(DVec3::new(2.2, 6.9, 17.8));
+        Camera::new(from, given.to.unwrap_or(DVec3::new(0.1, 1.55, 0.0)), given.fov.unwrap_or(FOV))
     }
 }
 

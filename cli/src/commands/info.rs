@@ -7,6 +7,9 @@ use umbra4_cpu::{CpuExecutor, Isa};
 
 use crate::error::ProgramError;
 
+/// Receivers worked on at once.
+pub(super) const BLOCK: u32 = 1 << 18;
+
 /// The run that the plan is shown for: what the program renders without arguments.
 const EXAMPLE: SceneFacts = SceneFacts {
     jittered: false,
@@ -18,7 +21,7 @@ const EXAMPLE: SceneFacts = SceneFacts {
     receivers: 512 * 512,
     world_receivers: false,
     visibility: true,
-    block: 1 << 18,
+    block: BLOCK,
     index: IndexKind::Silhouette,
 };
 

@@ -4,6 +4,7 @@ mod info;
 mod masks;
 mod render;
 mod report;
+mod scene_info;
 
 use crate::{
     args::{Args, Command, RenderArgs},
@@ -20,6 +21,9 @@ pub fn run(args: &Args) -> Result<(), ProgramError> {
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Masks(args)) => masks::run(args),
         Some(Command::Report(args)) => report::run(args),
-        Some(Command::Info) => info::run(),
+        Some(Command::Info(args)) => match args.scene_args() {
+            None => info::run(),
+            Some(args) => scene_info::run(&args),
+        },
     }
 }

@@ -1,4 +1,5 @@
-//! glTF 2.0, .gltf and .glb: the triangles of all meshes of the scene, with their nodes' transforms.
+//! glTF 2.0, .gltf and .glb: the triangles of all meshes of the scene, with their nodes' transforms; its lights and
+//! its camera.
 
 use std::{borrow::Cow, path::Path};
 
@@ -10,19 +11,37 @@ use gltf::{
 };
 use umbra4_core::glam::{DMat4, DVec3};
 
-use super::{Model, ModelError, gltf_buffers};
+use super::{FileLights, Furnished, Model, ModelError, gltf_buffers, gltf_camera, gltf_lights};
 
 const FORMAT: &str = "glTF";
 const GLB_HEADER: u32 = 12;
 
 pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Model<DVec3>, ModelError> {
     let (document, blob) = open(bytes)?;
-    let buffers = gltf_buffers::read(&document, blob, path)?;
+    triangles(&document, blob, &placed(&document)?, path)
+}
+
+/// The triangles, the lights where they are taken, and the camera.
+pub(super) fn parse_furnished(bytes: &[u8], path: &Path, lights: FileLights) -> Result<Furnished<DVec3>, ModelError> {
+    let (document, blob) = open(bytes)?;
+    let mut nodes = placed(&document)?;
+    let model = triangles(&document, blob, &nodes, path)?;
+    // As the file counts them, not as the tree is walked.
+    nodes.sort_by_key(|(node, _)| node.index());
+    let lights = if lights == FileLights::Taken { gltf_lights::read(&nodes, path)? } else { Vec::new() };
+    Ok(Furnished { model, lights, camera: gltf_camera::read(&document, &nodes) })
+}
+
+/// A node, and its transform to the world.
+pub(super) type Placed<'a> = (Node<'a>, DMat4);
+
+/// All nodes of the scene.
+fn placed(document: &Document) -> Result<Vec<Placed<'_>>, ModelError> {
     let scene = document
         .default_scene()
         .or_else(|| document.scenes().next())
         .ok_or_else(|| malformed("the document has no scene"))?;
-    let mut model = Model::default();
+    let mut nodes = Vec::new();
     let mut seen = vec![false; document.nodes().len()];
     let mut open: Vec<(Node, DMat4)> = scene.nodes().map(|node| (node, DMat4::IDENTITY)).collect();
     while let Some((node, parent)) = open.pop() {
@@ -32,10 +51,24 @@ pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Model<DVec3>, ModelErro
         }
         let local = node.transform().matrix().map(|column| column.map(f64::from));
         let transform = parent * DMat4::from_cols_array_2d(&local);
-        for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
-            append(&mut model, &primitive, &transform, &buffers)?;
-        }
         open.extend(node.children().map(|child| (child, transform)));
+        nodes.push((node, transform));
+    }
+    Ok(nodes)
+}
+
+fn triangles(
+    document: &Document,
+    blob: Option<Vec<u8>>,
+    nodes: &[Placed<'_>],
+    path: &Path,
+) -> Result<Model<DVec3>, ModelError> {
+    let buffers = gltf_buffers::read(document, blob, path)?;
+    let mut model = Model::default();
+    for (node, transform) in nodes {
+        for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
+            append(&mut model, &primitive, transform, &buffers)?;
+        }
     }
     Ok(model)
 }

@@ -2,6 +2,8 @@
 
 mod gltf;
 mod gltf_buffers;
+mod gltf_camera;
+mod gltf_lights;
 mod obj;
 mod ply;
 mod soup;
@@ -13,7 +15,13 @@ use umbra4_core::{
     glam::{DVec3, Vec3},
 };
 
-use crate::{array_file::ArrayError, in_file::InFile};
+use crate::{
+    array_file::ArrayError,
+    camera::Viewpoint,
+    description::DescriptionError,
+    in_file::InFile,
+    light::{InLight, Light},
+};
 
 /// An indexed triangle mesh, in world units.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,6 +30,26 @@ pub struct Model<V = Vec3> {
     pub vertices: Vec<V>,
     /// Vertex indices; all in range where a model comes from a file.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// A model with what its file brings along.
+#[derive(Clone, Debug, Default)]
+pub struct Furnished<V = Vec3> {
+    /// The triangles.
+    pub model: Model<V>,
+    /// Its lights, where they are taken; glTF alone has some.
+    pub lights: Vec<Light>,
+    /// Its first camera, if there is one; glTF alone has some.
+    pub camera: Option<Viewpoint>,
+}
+
+/// What becomes of the lights of a model's file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FileLights {
+    /// They are read: what is wrong with them is an error.
+    Taken,
+    /// They are not looked at.
+    PassedOver,
 }
 
 /// Why a model is refused.
@@ -52,6 +80,9 @@ pub enum ModelError {
         /// What is wrong.
         reason: String,
     },
+    /// One of its lights is refused.
+    #[error(transparent)]
+    Light(#[from] InLight<DescriptionError>),
     /// The array of a triangle soup is refused.
     #[error(transparent)]
     Array(#[from] ArrayError),
@@ -85,10 +116,7 @@ pub enum ModelError {
 /// # Errors
 /// See [`ModelError`].
 pub fn load(path: &Path) -> Result<Model, InFile<ModelError>> {
-    let model = load_f64(path)?;
-    let vertices: Vec<Vec3> = model.vertices.iter().map(|v| v.as_vec3()).collect();
-    check_finite(vertices.iter().map(|v| v.as_dvec3())).map_err(InFile::at(path))?;
-    Ok(Model { vertices, triangles: model.triangles })
+    load_f64(path).and_then(|model| rounded(model).map_err(InFile::at(path)))
 }
 
 /// Loads a model with the precision that the file has.
@@ -97,6 +125,22 @@ pub fn load(path: &Path) -> Result<Model, InFile<ModelError>> {
 /// See [`ModelError`].
 pub fn load_f64(path: &Path) -> Result<Model<DVec3>, InFile<ModelError>> {
     parse_file(path).map_err(InFile::at(path))
+}
+
+/// As [`load`], with lights and a camera where the file has them.
+///
+/// # Errors
+/// See [`ModelError`].
+pub fn load_furnished(path: &Path, lights: FileLights) -> Result<Furnished, InFile<ModelError>> {
+    if !matches!(extension(path).as_str(), "gltf" | "glb") {
+        return Ok(Furnished { model: load(path)?, ..Furnished::default() });
+    }
+    let parse = || {
+        let Furnished { model, lights, camera } = gltf::parse_furnished(&fs::read(path)?, path, lights)?;
+        check(&model)?;
+        Ok(Furnished { model: rounded(model)?, lights, camera })
+    };
+    parse().map_err(InFile::at(path))
 }
 
 fn parse_file(path: &Path) -> Result<Model<DVec3>, ModelError> {
@@ -112,6 +156,13 @@ fn parse_file(path: &Path) -> Result<Model<DVec3>, ModelError> {
     let model = parse(&fs::read(path)?, path)?;
     check(&model)?;
     Ok(model)
+}
+
+/// The model in f32, where that holds its coordinates.
+fn rounded(model: Model<DVec3>) -> Result<Model, ModelError> {
+    let vertices: Vec<Vec3> = model.vertices.iter().map(|v| v.as_vec3()).collect();
+    check_finite(vertices.iter().map(|v| v.as_dvec3()))?;
+    Ok(Model { vertices, triangles: model.triangles })
 }
 
 /// Lower case, without the dot; both parts where the file is compressed.

@@ -5,6 +5,8 @@ use umbra4_core::AreaLight;
 
 use crate::{
     error::ProgramError,
+    fractions::Fractions,
+    light::Light,
     report::{
         difference::Difference,
         flip::Seen,
@@ -14,7 +16,7 @@ use crate::{
         results::Entry,
         tiles::Choice,
     },
-    shade::{self, Emitter},
+    shade,
 };
 
 /// Who is judged.
@@ -79,5 +81,6 @@ impl<'a> Judge<'a> {
 
 /// The picture as a PNG would hold it.
 fn shaded(problem: &Problem, light: &AreaLight, visibility: &[f32]) -> RgbImage {
-    shade::shaded(&problem.seen, visibility, &Emitter::Area(*light), &problem.scene.look()).encoded()
+    let (lights, fractions) = ([Light::plain("the light", *light)], [Fractions::Plain(visibility.to_vec())]);
+    shade::shaded(&problem.seen, &lights, &fractions, &problem.scene.look()).encoded()
 }

@@ -54,7 +54,7 @@ pub fn run(args: &ReportArgs) -> Result<String, ProgramError> {
     check_pixels(width, height)?;
 
     let mut stages = Stages::new(STAGES);
-    let scene = stages.run("load", || Scene::load(&args.scene))?;
+    let scene = stages.run("load", || Scene::load(&args.scene, Some("report")))?;
     let problem = stages.run("primary", || Problem::new(scene, width, height))?;
     if problem.receivers() == 0 {
         return Err(CompareError::Empty.into());

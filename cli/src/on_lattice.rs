@@ -1,0 +1,36 @@
+//! What is shown, on the lattice: occluders and receivers, for any number of lights.
+
+use umbra4_core::{Bounds, Lattice, LatticeLight, Lift, glam::Vec3};
+use umbra4_cpu::{Occluders, Receivers};
+
+use crate::{error::ProgramError, executor::Scene, light::Light, model::Model, primary::GBuffer};
+
+/// A model and what is seen of it, snapped once.
+pub struct OnLattice {
+    /// The lattice around the model and its lights.
+    pub lattice: Lattice,
+    /// The model.
+    pub occluders: Occluders,
+    /// What is seen: the pixels that see something, lifted off their surfaces.
+    pub receivers: Receivers,
+}
+
+impl OnLattice {
+    /// The model and what is `seen` of it, on a lattice with room for `lights`.
+    ///
+    /// # Errors
+    /// A world that no lattice holds; a point that cannot be snapped.
+    pub fn new(model: &Model, seen: &GBuffer, lights: &[Light]) -> Result<Self, ProgramError> {
+        let lattice = Lattice::covering(lights.iter().filter_map(Light::bounds).fold(model.bounds(), Bounds::union))?;
+        let positions: Vec<Vec3> = seen.seen().map(|hit| hit.position).collect();
+        let normals: Vec<Vec3> = seen.seen().map(|hit| hit.normal).collect();
+        let occluders = Occluders::new(&lattice, &model.vertices, &model.triangles)?;
+        let receivers = Receivers::on_surfaces(&lattice, &positions, &normals, Lift::F32_POSITIONS)?;
+        Ok(Self { lattice, occluders, receivers })
+    }
+
+    /// All of it under one light.
+    pub fn under<'a>(&'a self, light: &'a LatticeLight) -> Scene<'a> {
+        (&self.occluders, light, &self.receivers)
+    }
+}
