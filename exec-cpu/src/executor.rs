@@ -185,6 +185,12 @@ impl CpuExecutor {
         })
     }
 
+    /// What will run for a light without extent, in each of its frames that has receivers.
+    pub fn plan_hard_shadows(&self, occluders: &Occluders, light: &Punctual, receivers: &Receivers) -> Plan {
+        let reached = receivers.points().iter().any(|p| light.face_of(*p).is_some());
+        punctual_plan(occluders.triangles().len(), receivers.len(), reached)
+    }
+
     /// The masks of all receivers.
     ///
     /// # Errors
@@ -336,7 +342,7 @@ impl CpuExecutor {
                 statistics.add(Stage::KeyTriangles, start.elapsed());
             }
             parts.iter().try_for_each(|part| {
-                let plan = punctual_plan(part.triangles.len(), part.receivers.len());
+                let plan = punctual_plan(part.triangles.len(), part.receivers.len(), true);
                 let input = Input {
                     plan: &plan,
                     isa: self.isa,
@@ -433,12 +439,13 @@ impl CpuExecutor {
 }
 
 /// What runs for a light without extent, in one of its frames.
-fn punctual_plan(triangles: usize, receivers: usize) -> Plan {
+fn punctual_plan(triangles: usize, receivers: usize, reached: bool) -> Plan {
     Plan::new(SceneFacts {
         triangles: triangles as u32,
         receivers: receivers as u32,
         block: BLOCK,
         punctual: true,
+        reached,
         ..SceneFacts::default()
     })
 }

@@ -7,23 +7,16 @@ use umbra4_cpu::{CpuExecutor, Isa};
 
 use crate::error::ProgramError;
 
-/// Receivers worked on at once.
-pub(super) const BLOCK: u32 = 1 << 18;
-
 /// The run that the plan is shown for: what the program renders without arguments.
-const EXAMPLE: SceneFacts = SceneFacts {
-    jittered: false,
-    arranged: false,
-    reached: true,
-    punctual: false,
-    new_vertices: 0,
-    triangles: 100_000,
-    receivers: 512 * 512,
-    world_receivers: false,
-    visibility: true,
-    block: BLOCK,
-    index: IndexKind::Silhouette,
-};
+fn example() -> SceneFacts {
+    SceneFacts {
+        triangles: 100_000,
+        receivers: 512 * 512,
+        visibility: true,
+        index: IndexKind::Silhouette,
+        ..SceneFacts::default()
+    }
+}
 
 pub(super) fn run() -> Result<(), ProgramError> {
     let mut out = stdout().lock();
@@ -40,7 +33,8 @@ pub(super) fn run() -> Result<(), ProgramError> {
         let lacks = if adapter.lacks.is_empty() { "usable".to_owned() } else { adapter.lacks.join("; ") };
         writeln!(out, "GPU              {} ({}, {}{kind}): {lacks}", adapter.name, adapter.backend, adapter.driver)?;
     }
-    writeln!(out, "\nplan for {} triangles and {} receivers:", EXAMPLE.triangles, EXAMPLE.receivers)?;
-    write!(out, "{}", Plan::new(EXAMPLE))?;
+    let plan = Plan::new(example());
+    writeln!(out, "\nplan for {} triangles and {} receivers:", plan.facts().triangles, plan.facts().receivers)?;
+    write!(out, "{plan}")?;
     Ok(())
 }

@@ -2,9 +2,10 @@
 
 use std::io::{Write, stdout};
 
-use umbra4_core::{IndexKind, Plan, SceneFacts};
+use umbra4_core::Plan;
+use umbra4_cpu::CpuExecutor;
 
-use super::{info, render};
+use super::render;
 use crate::{
     args::{RenderArgs, SceneArgs},
     error::ProgramError,
@@ -52,24 +53,8 @@ fn plans(light: &Light, executor: &AnyExecutor, scene: &OnLattice) -> Result<Vec
             names.into_iter().zip(area.sides()).map(plan).collect()
         }
         Source::Hard(hard) => {
-            light.snap_hard(hard, &scene.lattice)?;
-            Ok(vec![("", Plan::new(punctual(scene)))])
+            let snapped = light.snap_hard(hard, &scene.lattice)?;
+            Ok(vec![("", CpuExecutor::new().plan_hard_shadows(&scene.occluders, &snapped, &scene.receivers))])
         }
-    }
-}
-
-fn punctual(scene: &OnLattice) -> SceneFacts {
-    SceneFacts {
-        jittered: false,
-        arranged: false,
-        reached: true,
-        punctual: true,
-        new_vertices: 0,
-        triangles: scene.occluders.triangles().len() as u32,
-        receivers: scene.receivers.len() as u32,
-        world_receivers: false,
-        visibility: false,
-        block: info::BLOCK,
-        index: IndexKind::Hierarchy,
     }
 }
