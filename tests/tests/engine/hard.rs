@@ -29,9 +29,9 @@ fn masks(expected: &Expected, light: Punctual) -> Vec<u32> {
 }
 
 pub fn lights_without_extent_are_exact(gpu: &Gpu) {
-    let world = World::new(gpu, 21, wish(80));
-    let point = PointLight { position: DVec3::new(0.3, 3.0, -0.2) };
-    let sun = DirectionalLight { towards: DVec3::new(0.4, 1.0, -0.1) };
+    let world = World::new(gpu, 21, wish(10));
+    let point = PointLight { position: DVec3::new(0.3, 1.2, -0.2) };
+    let sun = DirectionalLight { towards: DVec3::new(1.0, 0.4, -0.1) };
     let lamps: [Lamp; 3] = [point.into(), light(5, 9, 0.0).into(), sun.into()];
     let snapped = [point.snap(&lattice()).expect("inside"), sun.snap().expect("a direction")];
     let usage = TextureUsages::COPY_DST | TextureUsages::COPY_SRC;
