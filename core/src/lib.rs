@@ -48,6 +48,12 @@ pub mod accumulate;
 #[cfg(not(target_arch = "spirv"))]
 pub mod area_light;
 #[cfg(not(target_arch = "spirv"))]
+pub mod cloud;
+#[cfg(not(target_arch = "spirv"))]
+pub mod cloud_pair;
+#[cfg(not(target_arch = "spirv"))]
+pub mod cloud_tiles;
+#[cfg(not(target_arch = "spirv"))]
 pub mod corner;
 #[cfg(not(target_arch = "spirv"))]
 pub mod depth;
@@ -73,6 +79,8 @@ pub mod punctual_frame;
 pub mod punctual_light;
 #[cfg(not(target_arch = "spirv"))]
 pub mod serial;
+#[cfg(not(target_arch = "spirv"))]
+pub mod shaft;
 #[cfg(not(target_arch = "spirv"))]
 pub mod silhouette;
 

@@ -15,6 +15,8 @@ pub enum IndexKind {
     Silhouette,
     /// [`crate::grid`], the paper's.
     Grid,
+    /// [`crate::shaft`]: before a light that is a [`crate::cloud`], whose masks come from [`Stage::ResolveCloud`].
+    Shafts,
 }
 
 /// Cheap, exact facts about one run.
@@ -119,6 +121,10 @@ impl Plan {
                     let resolve = if facts.punctual { Stage::ResolvePunctual } else { Stage::Resolve };
                     once(resolve, count.div_ceil(crate::lanes::TILE as u32), first)?;
                 }
+                IndexKind::Shafts => {
+                    once(Stage::OrderReceivers, count, first)?;
+                    once(Stage::ResolveCloud, count.div_ceil(crate::lanes::TILE as u32), first)?;
+                }
                 IndexKind::Grid => {
                     once(Stage::DefineFrame, count, first)?;
                     once(Stage::BinReceivers, count, first)?;
@@ -141,7 +147,7 @@ impl Plan {
     pub fn reason(&self, stage: Stage) -> (bool, &'static str) {
         let facts = &self.facts;
         let (work, triangles) = (facts.receivers > 0, facts.triangles > 0);
-        let grid = self.index() == IndexKind::Grid;
+        let (grid, cloud) = (self.index() == IndexKind::Grid, self.index() == IndexKind::Shafts);
         match stage {
             _ if !work => (false, "no receivers"),
             Stage::SnapVertices if facts.new_vertices == 0 => (false, "the scene is on the lattice already"),
@@ -151,7 +157,11 @@ impl Plan {
             Stage::Resolve | Stage::FindSilhouette | Stage::Reduce if facts.punctual => {
                 (false, "the light has no extent: a mask is one bit")
             }
+            Stage::Resolve | Stage::ResolvePunctual | Stage::FindSilhouette if cloud => {
+                (false, "the light is a cloud of samples")
+            }
             Stage::ResolvePunctual if !facts.punctual => (false, "the light has an area"),
+            Stage::ResolveCloud if !cloud => (false, "the light is no cloud"),
             Stage::OrderTriangles
             | Stage::BuildLevel
             | Stage::FindSilhouette
@@ -180,6 +190,7 @@ impl Plan {
             | Stage::OrderReceivers
             | Stage::Resolve
             | Stage::ResolvePunctual
+            | Stage::ResolveCloud
             | Stage::ResolveCells => (true, "receivers to shadow"),
             Stage::Reduce if !facts.visibility => (false, "masks only"),
             Stage::Reduce => (true, "visibility is asked for"),

@@ -146,6 +146,7 @@ pub fn dispatches<E>(
         | Stage::SnapReceivers
         | Stage::FindSilhouette
         | Stage::ResolvePunctual
+        | Stage::ResolveCloud
         | Stage::DefineFrame
         | Stage::BinReceivers
         | Stage::BinTriangles
