@@ -46,11 +46,7 @@ impl Umbra {
 
 impl<W: RowWord> Contender<W> for Umbra {
     fn run(&self, problem: &Problem<'_>, threads: usize, out: &mut [W]) -> Result<Run, ContenderError> {
-        let executor = CpuExecutor::new().with_precision(self.precision).with_index(self.index);
-        let executor = match threads {
-            CALLING_THREAD => executor,
-            threads => executor.with_threads(threads)?,
-        };
+        let executor = executor(threads)?.with_precision(self.precision).with_index(self.index);
         let (run, words) = if self.arranged {
             let occluders = snapped(problem)?.arranged();
             measured_frame(&executor, problem, occluders)?
@@ -62,7 +58,18 @@ impl<W: RowWord> Contender<W> for Umbra {
     }
 }
 
-fn snapped(problem: &Problem<'_>) -> Result<Occluders, SceneError> {
+fn executor(threads: usize) -> Result<CpuExecutor, ContenderError> {
+    match threads {
+        CALLING_THREAD => Ok(CpuExecutor::new()),
+        threads => Ok(CpuExecutor::new().with_threads(threads)?),
+    }
+}
+
+/// The occluders of a problem, on its lattice.
+///
+/// # Errors
+/// A vertex outside the lattice.
+pub fn snapped(problem: &Problem<'_>) -> Result<Occluders, SceneError> {
     Occluders::new(&problem.lattice, &problem.model.vertices, &problem.model.triangles)
 }
 
@@ -110,16 +117,12 @@ impl<W: RowWord> Contender<W> for PointLamp {
         if samples != 1 {
             return Err(ContenderError::NoPoint { samples });
         }
-        let executor = match threads {
-            CALLING_THREAD => CpuExecutor::new(),
-            threads => CpuExecutor::new().with_threads(threads)?,
-        };
+        let executor = executor(threads)?;
+        let light = Punctual::point(problem.light.sample(0, 0)).ok_or(ContenderError::NoPoint { samples })?;
         let start = Instant::now();
         let occluders = snapped(problem)?;
         let build = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let sample = problem.light.sample(0, 0);
-        let light = Punctual::point(sample).ok_or(ContenderError::NoPoint { samples })?;
         let (shadows, statistics) = executor.hard_shadows(&occluders, &light, &problem.receivers)?;
         let run = Run { build, masks: start.elapsed().as_secs_f64(), counts: Some(statistics.counts) };
         // A lamp with an area does not shine behind itself.

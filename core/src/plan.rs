@@ -47,6 +47,25 @@ pub struct SceneFacts {
     pub punctual: bool,
 }
 
+impl Default for SceneFacts {
+    /// Nothing to do, for a light with an area that is reached.
+    fn default() -> Self {
+        Self {
+            new_vertices: 0,
+            triangles: 0,
+            receivers: 0,
+            world_receivers: false,
+            visibility: false,
+            block: u32::MAX,
+            index: IndexKind::default(),
+            jittered: false,
+            arranged: false,
+            reached: true,
+            punctual: false,
+        }
+    }
+}
+
 /// One dispatch of one stage.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pass {

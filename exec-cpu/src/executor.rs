@@ -5,7 +5,7 @@ use std::{sync::Arc, time::Instant};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use thiserror::Error;
 use umbra4_core::{
-    IndexKind, LatticeLight, MaskWord, Plan, Precision, Punctual, SceneFacts,
+    IndexKind, LatticeLight, Plan, Precision, Punctual, SceneFacts,
     emission::{Emission, Weight},
     jitter::{Pattern, Regular},
     light::MAX_SAMPLES,
@@ -16,6 +16,7 @@ use crate::{
     CpuWord, HardShadows, Index, Isa, Masks, Occluders, Receivers, Statistics,
     hard_shadows::ShadowBits,
     punctual::{Faces, Input, Part, PunctualRun},
+    reduction::{LitCount, Pairs, Reduction, Visibility},
     run::{How, Run},
     scatter::Scatter,
 };
@@ -163,11 +164,8 @@ impl CpuExecutor {
             jittered: light.jitter.is_some(),
             arranged: occluders.arrangement().is_some(),
             reached: light.reaches(receivers.points()),
-            punctual: false,
-            new_vertices: 0,
             triangles: occluders.triangles().len() as u32,
             receivers: receivers.len() as u32,
-            world_receivers: false,
             visibility,
             block: BLOCK,
             index: match self.index {
@@ -175,6 +173,7 @@ impl CpuExecutor {
                 Index::Auto | Index::Silhouette => IndexKind::Silhouette,
                 Index::Grid(_) => IndexKind::Grid,
             },
+            ..SceneFacts::default()
         })
     }
 
@@ -215,7 +214,7 @@ impl CpuExecutor {
     ) -> Result<(Vec<f32>, Statistics), ExecutorError> {
         let table: Vec<f32> =
             (0..=light.sample_count()).map(|lit| reduce::visibility(lit, light.sample_count())).collect();
-        self.per_receiver(occluders, light, receivers, |answer| table[answer.lit as usize])
+        self.per_receiver(occluders, light, receivers, Visibility { columns: light.columns, table })
     }
 
     /// The light that every receiver gets, red, green and blue: sums of the weights of lit samples, of which
@@ -234,28 +233,7 @@ impl CpuExecutor {
         if emission.size() != size {
             return Err(ExecutorError::EmissionSize { emission: emission.size(), light: size });
         }
-        match light.columns {
-            0..=16 => self.light_in::<u16, S>(occluders, light, receivers, emission),
-            17..=32 => self.light_in::<u32, S>(occluders, light, receivers, emission),
-            _ => self.light_in::<u64, S>(occluders, light, receivers, emission),
-        }
-    }
-
-    fn light_in<W: CpuWord, S: AsRef<[Weight]> + Sync>(
-        &self,
-        occluders: &Occluders,
-        light: &LatticeLight,
-        receivers: &Receivers,
-        emission: &Emission<S>,
-    ) -> Result<(Vec<[u32; 3]>, Statistics), ExecutorError> {
-        let mut sums = vec![[0; 3]; receivers.len()];
-        let out = Scatter::new(&mut sums);
-        let statistics = self.run::<W>(occluders, light, receivers, true, |answer| {
-            let lit = if answer.lit { emission.total() } else { emission.lit(answer.rows) };
-            // SAFETY: every receiver is visited once, and its element is its own.
-            unsafe { out.part(answer.receiver, 1) }.fill(lit);
-        })?;
-        Ok((sums, statistics))
+        self.per_receiver(occluders, light, receivers, emission)
     }
 
     /// The lit samples of every receiver, `0..=light.sample_count()`: what [`umbra4_core::accumulate`] adds up over frames.
@@ -268,7 +246,7 @@ impl CpuExecutor {
         light: &LatticeLight,
         receivers: &Receivers,
     ) -> Result<(Vec<u32>, Statistics), ExecutorError> {
-        self.per_receiver(occluders, light, receivers, |answer| answer.lit)
+        self.per_receiver(occluders, light, receivers, LitCount { columns: light.columns })
     }
 
     /// How many triangles block at least one sample of each receiver; for receivers in full shadow, how many were met
@@ -287,7 +265,7 @@ impl CpuExecutor {
             Index::Grid(_) => self.clone(),
             _ => self.clone().with_index(Index::Hierarchy),
         };
-        one_by_one.per_receiver(occluders, light, receivers, |answer| answer.pairs)
+        one_by_one.per_receiver(occluders, light, receivers, Pairs)
     }
 
     /// Hands the mask of every receiver to `visit(receiver, rows)`, once each, from many threads and in any order, and
@@ -366,26 +344,35 @@ impl CpuExecutor {
         Ok((shadows.finish(), statistics))
     }
 
-    fn per_receiver<T: Copy + Default + Send>(
+    /// What `reduction` makes of every mask, in the order of the receivers.
+    fn per_receiver<R: Reduction>(
         &self,
         occluders: &Occluders,
         light: &LatticeLight,
         receivers: &Receivers,
-        value: impl Fn(&Numbers) -> T + Sync,
-    ) -> Result<(Vec<T>, Statistics), ExecutorError> {
-        let mut values = vec![T::default(); receivers.len()];
-        let out = Scatter::new(&mut values);
-        let write = |numbers: &Numbers| {
-            // SAFETY: every receiver is visited once, and its element is its own.
-            let place = unsafe { out.part(numbers.receiver, 1) };
-            place.fill(value(numbers));
-        };
+        reduction: R,
+    ) -> Result<(Vec<R::Value>, Statistics), ExecutorError> {
         // The narrowest word that holds a row: more rows fit a register.
-        let statistics = match light.columns {
-            0..=16 => self.run::<u16>(occluders, light, receivers, true, |a| write(&a.numbers(light.columns))),
-            17..=32 => self.run::<u32>(occluders, light, receivers, true, |a| write(&a.numbers(light.columns))),
-            _ => self.run::<u64>(occluders, light, receivers, true, |a| write(&a.numbers(light.columns))),
-        }?;
+        match light.columns {
+            0..=16 => self.reduced::<u16, R>(occluders, light, receivers, &reduction),
+            17..=32 => self.reduced::<u32, R>(occluders, light, receivers, &reduction),
+            _ => self.reduced::<u64, R>(occluders, light, receivers, &reduction),
+        }
+    }
+
+    fn reduced<W: CpuWord, R: Reduction>(
+        &self,
+        occluders: &Occluders,
+        light: &LatticeLight,
+        receivers: &Receivers,
+        reduction: &R,
+    ) -> Result<(Vec<R::Value>, Statistics), ExecutorError> {
+        let mut values = vec![R::Value::default(); receivers.len()];
+        let out = Scatter::new(&mut values);
+        let statistics = self.run::<W>(occluders, light, receivers, true, |answer| {
+            // SAFETY: every receiver is visited once, and its element is its own.
+            unsafe { out.part(answer.receiver, 1) }.fill(reduction.of(&answer));
+        })?;
         Ok((values, statistics))
     }
 
@@ -435,17 +422,11 @@ impl CpuExecutor {
 /// What runs for a light without extent, in one of its frames.
 fn punctual_plan(triangles: usize, receivers: usize) -> Plan {
     Plan::new(SceneFacts {
-        new_vertices: 0,
         triangles: triangles as u32,
         receivers: receivers as u32,
-        world_receivers: false,
-        visibility: false,
         block: BLOCK,
-        index: IndexKind::Hierarchy,
-        jittered: false,
-        arranged: false,
-        reached: true,
         punctual: true,
+        ..SceneFacts::default()
     })
 }
 
@@ -458,24 +439,9 @@ pub(crate) struct Answer<'a, W> {
     pub(crate) pairs: u32,
 }
 
-/// What is left of a result once its mask is counted.
-struct Numbers {
-    receiver: usize,
-    lit: u32,
-    pairs: u32,
-}
-
 impl<W> Answer<'_, W> {
     /// The same with rows in other words.
     fn with_rows<'a, T>(&self, rows: &'a [T]) -> Answer<'a, T> {
         Answer { receiver: self.receiver, rows, lit: self.lit, pairs: self.pairs }
-    }
-}
-
-impl<W: MaskWord> Answer<'_, W> {
-    fn numbers(&self, columns: u32) -> Numbers {
-        let samples = self.rows.len() as u32 * columns;
-        let lit = if self.lit { samples } else { reduce::lit_count(self.rows, columns) };
-        Numbers { receiver: self.receiver, lit, pairs: self.pairs }
     }
 }

@@ -11,6 +11,7 @@ mod neighbours;
 mod open_sides;
 mod order;
 mod punctual;
+mod reduction;
 mod run;
 mod scatter;
 mod scene;

@@ -6,7 +6,7 @@ use std::{
 };
 
 use umbra4_core::{
-    Counts, IndexKind, LatticeLight, MaskWord, Plan, Precision, SceneFacts,
+    Counts, LatticeLight, MaskWord, Plan, Precision, SceneFacts,
     glam::IVec3,
     kernel::resolve::{ReceiverCounts, stride},
     proj4::NODE,
@@ -199,17 +199,13 @@ impl WgpuExecutor {
         let layout = |slice| mask_layout(light, bits, self.precision, asked.counts, slice);
         let mut slice = slice(*software);
         let plan = Plan::new(SceneFacts {
-            new_vertices: 0,
             triangles: scene.triangles.len() as u32,
             receivers: receivers.len() as u32,
-            world_receivers: false,
             visibility: asked.visibility,
             block: block(&layout(slice), self.block),
-            index: IndexKind::Hierarchy,
             jittered: light.jitter.is_some(),
-            arranged: false,
-            reached: true,
-            punctual: false,
+            reached: light.reaches(receivers),
+            ..SceneFacts::default()
         });
         let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);
         let Work { recorder, scratch } = match &mut *work {

@@ -3,7 +3,7 @@
 use std::{collections::HashMap, mem::offset_of, num::NonZero};
 
 use umbra4_core::{
-    IndexKind, Lattice, LatticeLight, Plan, Precision, SceneFacts,
+    Lattice, LatticeLight, Plan, Precision, SceneFacts,
     gbuffer::ViewParams,
     glam::IVec3,
     half::halved,
@@ -240,11 +240,8 @@ impl SoftShadows {
                 world_receivers: first,
                 visibility: light.visibility.is_some(),
                 block: block(&layout, BLOCK),
-                index: IndexKind::Hierarchy,
                 jittered: own.light.jitter.is_some(),
-                arranged: false,
-                reached: true,
-                punctual: false,
+                ..SceneFacts::default()
             });
             let buffers = Buffers::fit(&mut self.scratch, &self.device, &plan, &layout, checked.vertices)?;
             if first {

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 
 use bytemuck::Zeroable;
 use umbra4_core::{
-    Exact, IndexKind, Lift, Plan, SceneFacts,
+    Exact, Lift, Plan, SceneFacts,
     glam::DVec3,
     occluder::Occluder,
     order::Entry,
@@ -174,17 +174,12 @@ impl SerialSubject {
     fn run<W: CpuWord>(self, inputs: &Inputs, visibility: bool) -> Result<(Vec<W>, Vec<f32>), String> {
         let (triangles, points) = (inputs.occluders.triangles(), inputs.receivers.points());
         let plan = Plan::new(SceneFacts {
-            new_vertices: 0,
             triangles: triangles.len() as u32,
             receivers: points.len() as u32,
-            world_receivers: false,
             visibility,
             block: self.block,
-            index: IndexKind::Hierarchy,
             jittered: inputs.light.jitter.is_some(),
-            arranged: false,
-            reached: true,
-            punctual: false,
+            ..SceneFacts::default()
         });
         let mut masks = vec![W::EMPTY; points.len() * inputs.light.rows as usize];
         let mut fractions = vec![f32::NAN; if visibility { points.len() } else { 0 }];

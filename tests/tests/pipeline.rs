@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use bytemuck::Zeroable;
 use umbra4_core::{
-    Exact, IndexKind, Lattice, Lift, Plan, SceneFacts,
+    Exact, Lattice, Lift, Plan, SceneFacts,
     frame::LightFrame,
     glam::Vec3,
     occluder::Occluder,
@@ -183,13 +183,8 @@ fn the_serial_executor_snaps_as_the_host_does() {
             triangles: scene.triangles.len() as u32,
             receivers: receivers as u32,
             world_receivers: true,
-            visibility: false,
             block: 100,
-            index: IndexKind::Hierarchy,
-            jittered: false,
-            arranged: false,
-            reached: true,
-            punctual: false,
+            ..SceneFacts::default()
         });
         let (mut snapped_vertices, mut snapped_receivers) =
             (vec![Default::default(); vertices], vec![Default::default(); receivers]);

@@ -50,17 +50,12 @@ fn a_light_that_reaches_nobody_costs_nothing() {
 #[test]
 fn plans_say_why() {
     let facts = SceneFacts {
-        new_vertices: 0,
         triangles: 1000,
         receivers: 100,
-        world_receivers: false,
         visibility: true,
         block: 64,
         index: IndexKind::Silhouette,
-        jittered: false,
-        arranged: false,
-        reached: true,
-        punctual: false,
+        ..SceneFacts::default()
     };
     let reason = |facts: SceneFacts, stage: Stage| Plan::new(facts).reason(stage);
     assert!(reason(facts, Stage::KeyTriangles).0 && !reason(facts, Stage::ResolvePunctual).0);

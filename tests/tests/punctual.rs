@@ -143,9 +143,12 @@ fn only_faces_with_receivers_are_looked_at() {
     assert_eq!((shadows.count(), statistics.counts.pairs_tested), (0, 0), "{statistics:?}");
     let ordered = |statistics: &Statistics| statistics.seconds_by_stage.iter().any(|(n, _)| *n == "order_triangles");
     assert!(!ordered(&statistics), "{statistics:?}");
-    scene.receivers.push(IVec3::new(0, 8 * size, 0));
-    let (_, statistics) = run(&scene);
-    assert!(ordered(&statistics), "{statistics:?}");
+    // Behind corners of triangles, as the light sees them: in shadow.
+    let corners: Vec<IVec3> = scene.mesh.vertices.iter().map(|vertex| vertex * 2).take(16).collect();
+    scene.receivers.extend(&corners);
+    let (shadows, statistics) = run(&scene);
+    assert!(ordered(&statistics) && shadows.count() > corners.len() / 2, "{shadows:?}, {statistics:?}");
+    assert!(statistics.counts.pairs_tested > 0, "{statistics:?}");
     let places: Vec<_> =
         TABLE.iter().filter_map(|info| statistics.seconds_by_stage.iter().position(|(n, _)| *n == info.name)).collect();
     assert!(places.is_sorted() && places.len() == statistics.seconds_by_stage.len(), "{statistics:?}");

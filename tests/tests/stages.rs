@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use umbra4_core::{
-    Executor, IndexKind, Pass, Plan, SceneFacts,
+    Executor, Pass, Plan, SceneFacts,
     edge_plane::LightGrid,
     glam::IVec3,
     jitter::Pattern,
@@ -209,17 +209,12 @@ fn every_kernel_alone(gpu: &Gpu, generator: usize) -> Result<(), Failed> {
         };
         let layout = MaskLayout { resolve, stride: stride(inputs.light.rows, bits), counted, slice: 256 };
         let plan = Plan::new(SceneFacts {
-            new_vertices: 0,
             triangles: inputs.occluders.triangles().len() as u32,
             receivers: inputs.receivers.len() as u32,
-            world_receivers: false,
             visibility: true,
             block: BLOCK,
-            index: IndexKind::Hierarchy,
             jittered,
-            arranged: false,
-            reached: true,
-            punctual: false,
+            ..SceneFacts::default()
         });
         let mut lockstep = Lockstep::new(&plan, layout, &inputs, &mut device);
         plan.run(&mut lockstep).map_err(|error| format!("seed {seed}: {error}"))?;

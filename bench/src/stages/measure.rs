@@ -16,6 +16,7 @@ use crate::{
     scene::{PAPER_LIGHT, scene},
     subset,
     timing::{Budget, Progress, Subject, least},
+    umbra::snapped,
 };
 
 /// Receivers on which the rows alone are measured.
@@ -75,7 +76,7 @@ pub(super) fn measure<W: RowWord>(name: &str, options: &Options<'_>) -> Result<V
     let problem = Problem::new(&scene, &all, &all)?;
     let executor = CpuExecutor::new().with_threads(options.threads).map_err(ContenderError::from)?;
 
-    let snap = || Occluders::new(&problem.lattice, &problem.model.vertices, &problem.model.triangles);
+    let snap = || snapped(&problem);
     let arranged = RefCell::new(snap().map_err(ContenderError::from)?.arranged());
     let run = |fastest: &RefCell<Times>, arranged: Option<&RefCell<Occluders>>| {
         let start = Instant::now();
