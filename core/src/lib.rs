@@ -83,6 +83,8 @@ pub mod serial;
 pub mod shaft;
 #[cfg(not(target_arch = "spirv"))]
 pub mod silhouette;
+#[cfg(not(target_arch = "spirv"))]
+pub mod volume_light;
 
 pub use glam;
 
@@ -105,3 +107,5 @@ pub use lattice::{Bounds, Lattice, LatticeError, SnapError};
 pub use plan::{IndexKind, Pass, Plan, SceneFacts};
 #[cfg(not(target_arch = "spirv"))]
 pub use punctual_light::{DirectionalLight, PointLight, PunctualLightError};
+#[cfg(not(target_arch = "spirv"))]
+pub use volume_light::{EllipsoidLight, SphereLight, TubeLight, VolumeLightError};

@@ -111,10 +111,11 @@ impl Plan {
     /// The first that the executor reports; no later pass is run.
     pub fn run<E: Executor>(&self, executor: &mut E) -> Result<(), E::Error> {
         let facts = &self.facts;
-        if facts.receivers == 0 {
+        let index = self.index();
+        // Before a cloud, every receiver is in full light where nothing lies between.
+        if facts.receivers == 0 || (index == IndexKind::Shafts && facts.triangles == 0) {
             return Ok(());
         }
-        let index = self.index();
         let mut once = |stage, count, first| {
             if count > 0 { executor.dispatch(&Pass { stage, count, first }) } else { Ok(()) }
         };
@@ -181,6 +182,9 @@ impl Plan {
             }
             Stage::ResolvePunctual if !facts.punctual => (false, "the light has an area"),
             Stage::ResolveCloud if !cloud => (false, "the light is no cloud"),
+            _ if cloud && !triangles => {
+                (false, if facts.reached { "no triangles" } else { "no triangle lies between receivers and light" })
+            }
             Stage::OrderTriangles
             | Stage::BuildLevel
             | Stage::FindSilhouette
