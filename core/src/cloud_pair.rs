@@ -8,8 +8,14 @@
 //! around the samples, with middle m and half extents h, it ranges over `n·(m − p) ± |n|·h`. The first term is under
 //! at most eight relative errors ε, as in [`crate::edge_plane`]: three conversions, two products, a difference, two sums. The
 //! second is under four of the normal, one of h, and three of its products and sums: eight too. Adding the two takes one
-//! more. All are relative to the permanent `P = (|a − p| ⊗ |b − a|)·(|m − p| + h)`, ⊗ the cross product with sums in the
-//! place of differences. Twelve ε·P are allowed: three for second-order terms and the bound's own arithmetic.
+//! more. All are relative to the permanent `P = (|a − p| ⊗ |b − a|)·(|m − p| + r)`, ⊗ the cross product with sums in the
+//! place of differences, and r as below, no less than any of h. Twelve ε·P are allowed: three for second-order terms and the
+//! bound's own arithmetic.
+//!
+//! Samples lie no farther than r from m, too, which says more of a sphere: n·(s − p) has the sign of `v = n·(m − p)` where
+//! `|v| > |n|·r`. Of `|v| − 12ε·P`, which is no larger than the true |v| less the four ε of the normal, the square is compared with
+//! that of `|n|·r`, in which another seven roundoffs are covered by a factor of `1 + 16ε`. So that no square overflows,
+//! all is multiplied by 2^-60, exactly: v² stays below 2^67, and |n|², unless it is zero, above 2^-121.
 
 use glam::IVec3;
 
@@ -27,6 +33,9 @@ use crate::{
 
 /// Roundoffs allowed for, relative to P.
 const ERRORS: f32 = 12.0;
+
+/// Keeps squares of normals within the range of a float.
+const SCALE: f32 = 1.0 / (1_u64 << 60) as f32;
 
 /// The place of the triangle's own plane among those of a pair; the edges' come before.
 pub(crate) const OWN_PLANE: usize = 3;
@@ -101,14 +110,16 @@ impl Reach {
         let wanted = if occluder.is_mixed() { sides.positive | sides.negative } else { sides.positive };
         let corners = occluder.corners();
         let [a, b, c] = corners;
-        let edges = [float(b - a), float(c - b), float(a - c)];
-        let (middle, half) = cloud.middle();
+        let edges = [float(b - a) * SCALE, float(c - b) * SCALE, float(a - c) * SCALE];
+        let (middle, half, radius) = (cloud.middle(), cloud.half(), cloud.radius());
         // One bound for all edges and lanes: the longest edge on each axis, from the farthest receiver.
         let longest = edges[0].abs().max(edges[1].abs()).max(edges[2].abs());
         let farthest = receivers.farthest(a.min(b).min(c), a.max(b).max(c));
-        let permanent = cross_magnitudes(farthest, longest).dot(receivers.farthest(middle, middle) + half);
+        let permanent = cross_magnitudes(farthest, longest).dot(receivers.farthest(middle, middle) + radius);
         let bound = if P::CERTIFIED { permanent * (ERRORS * L::ROUNDOFF) } else { 0.0 };
         let (least, bound) = (L::splat(-bound), L::splat(bound));
+        let square = L::splat(radius * radius * (1.0 + 16.0 * L::ROUNDOFF));
+        let zero = L::splat(f32::MIN_POSITIVE);
         let mut reach = Self { alive: wanted, cuts: [wanted; 3] };
         let mut first = 0;
         while first < TILE {
@@ -120,9 +131,14 @@ impl Reach {
                 let n = cross_scalar(&towards::<L>(corners[k], &p), edges[k]);
                 let value = dot(&n, &toward).mul(turn);
                 let spread = dot_scalar(half, &[n[0].abs(), n[1].abs(), n[2].abs()]);
-                let all = (1 << L::WIDTH) - 1;
-                reach.alive &= !((L::bits(value.add(spread).ge(least)) ^ all) << first);
-                reach.cuts[k] &= !(L::bits(value.sub(spread).ge(bound)) << first);
+                let farthest = dot(&n, &n).mul(square);
+                let (outer, inner) = (least.sub(value), value.sub(bound));
+                let beyond = L::both(outer.ge(zero), outer.mul(outer).ge(farthest));
+                let beyond = L::either(beyond, L::not(value.add(spread).ge(least)));
+                let within = L::both(inner.ge(zero), inner.mul(inner).ge(farthest));
+                let within = L::either(within, value.sub(spread).ge(bound));
+                reach.alive &= !(L::bits(beyond) << first);
+                reach.cuts[k] &= !(L::bits(within) << first);
                 k += 1;
             }
             first += L::WIDTH;

@@ -46,6 +46,8 @@ pub struct CloudTiles<'a> {
     samples: &'a [IVec3],
     low: IVec3,
     high: IVec3,
+    /// All samples lie so near the middle; rounded up.
+    radius: f32,
     /// Of a tile, its samples from the middle of the cloud. Places without a sample repeat the middle.
     tiles: [Offsets; TILES],
     boxes: [TileBoxes; TILES / TILE],
@@ -67,12 +69,15 @@ impl<'a> CloudTiles<'a> {
             samples,
             low,
             high,
+            radius: 0.0,
             tiles: [nothing; TILES],
             boxes: [no_box; TILES / TILE],
             full: [0; MAX_CLOUD_WORDS],
         };
         for (t, (of_tile, tile)) in samples.chunks(TILE).zip(&mut cloud.tiles).enumerate() {
             for (lane, sample) in of_tile.iter().enumerate() {
+                let away = (sample - center).as_dvec3().length() as f32;
+                cloud.radius = Lanes::max(cloud.radius, away.next_up());
                 for (axis, at) in tile.at.iter_mut().enumerate() {
                     at[lane % TILE] = (sample[axis] - center[axis]) as f32;
                 }
@@ -111,17 +116,29 @@ impl<'a> CloudTiles<'a> {
         self.samples.is_empty()
     }
 
-    /// The middle of the samples' box, and its half extents.
+    /// The middle of the samples' box.
     #[inline(always)]
-    pub(crate) fn middle(&self) -> (IVec3, Vec3) {
-        (self.tiles[0].base, self.tiles[0].limit)
+    pub(crate) fn middle(&self) -> IVec3 {
+        self.tiles[0].base
+    }
+
+    /// The half extents of the samples' box. (Up to the roundoff of the conversion, which error bounds count.)
+    #[inline(always)]
+    pub(crate) fn half(&self) -> Vec3 {
+        self.tiles[0].limit
+    }
+
+    /// How far samples may lie from the middle.
+    #[inline(always)]
+    pub(crate) fn radius(&self) -> f32 {
+        self.radius
     }
 
     /// The triangle, with its corners in such an order that the samples lie on the positive side of its plane, unless that
     /// meets their box. `None` where it blocks nothing.
     pub fn occluder(&self, corners: [IVec3; 3]) -> Option<Occluder> {
         let [a, b, c] = corners;
-        let (center, half) = self.middle();
+        let (center, half) = (self.middle(), self.half());
         let (e, f, d) = (b - a, c - a, center - a);
         let normal = <f64 as Real>::cross(e, f);
         let at = <f64 as Real>::dot(&normal, d);
@@ -192,7 +209,7 @@ impl SampleTest for CloudTiles<'_> {
     ) -> u32 {
         let planes = pair.planes::<L, P, N>(&self.tiles[0]);
         let (mut open, mut inside_of, mut k) = (tile_bits(self.samples.len()), [0_u64; N], 0);
-        while k < N {
+        while k < N && open != 0 {
             let (inside, outside) = if pair.cuts >> k & 1 == 1 { self.sure::<L, N>(&planes, k) } else { (u64::MAX, 0) };
             inside_of[k] = inside;
             open &= !outside;

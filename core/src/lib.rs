@@ -52,6 +52,8 @@ pub mod cloud;
 #[cfg(not(target_arch = "spirv"))]
 pub mod cloud_pair;
 #[cfg(not(target_arch = "spirv"))]
+pub mod cloud_table;
+#[cfg(not(target_arch = "spirv"))]
 pub mod cloud_tiles;
 #[cfg(not(target_arch = "spirv"))]
 pub mod corner;

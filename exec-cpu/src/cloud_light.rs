@@ -5,6 +5,7 @@ use umbra4_core::{
     IndexKind, Plan, SceneFacts,
     cloud::{Cloud, CloudMask, WORD_BITS},
     cloud_pair::SampleTest,
+    cloud_table::CloudTable,
     cloud_tiles::CloudTiles,
     glam::IVec3,
     stage::reduce,
@@ -148,6 +149,41 @@ impl CpuExecutor {
         receivers: &Receivers,
     ) -> Result<(Vec<u32>, Statistics), ExecutorError> {
         self.per_receiver_of_cloud(occluders, cloud, receivers, |lit| lit)
+    }
+
+    /// The masks of all receivers before the cloud of a table, by its lookups: not exact, see [`umbra4_core::cloud_table`].
+    /// For a few hundred samples that saves no time.
+    ///
+    /// ```
+    /// use umbra4_cpu::{CpuExecutor, Occluders, Receivers};
+    /// use umbra4_core::{SphereLight, cloud_table::{CloudTable, TableSize}, glam::{DVec3, IVec3, Vec3}, Bounds, Lattice};
+    ///
+    /// let lattice = Lattice::covering(Bounds { min: DVec3::splat(-4.0), max: DVec3::splat(4.0) })?;
+    /// let vertices = [Vec3::new(-1.0, 1.0, -1.0), Vec3::new(1.0, 1.0, -1.0), Vec3::new(0.0, 1.0, 1.0)];
+    /// let occluders = Occluders::new(&lattice, &vertices, &[[0, 1, 2]])?;
+    /// let receivers = Receivers::raw(&lattice, &[Vec3::ZERO, Vec3::new(3.0, 0.0, 0.0)])?;
+    ///
+    /// let lamp = SphereLight { center: DVec3::new(0.0, 3.0, 0.0), radius: 0.5 }.snap(&lattice, [IVec3::ZERO; 128])?;
+    /// let size = TableSize { directions: 16, distances: 32 };
+    /// let table = CloudTable::new(&lamp, size, vec![0; CloudTable::words_of(&lamp, size)?])?;
+    /// let (masks, _) = CpuExecutor::new().cloud_masks_by_table(&occluders, &table, &receivers)?;
+    /// assert_eq!((masks.receiver(0), masks.receiver(1)), (Some(&[u32::MAX; 4][..]), Some(&[0; 4][..])));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Masks that would not fit the address space.
+    pub fn cloud_masks_by_table<C: AsRef<[IVec3]> + Sync, S: AsRef<[u32]> + Sync>(
+        &self,
+        occluders: &Occluders,
+        table: &CloudTable<'_, C, S>,
+        receivers: &Receivers,
+    ) -> Result<(CloudMasks, Statistics), ExecutorError> {
+        // In the table's order, which is the caller's.
+        let (cloud, tiles) = (table.cloud(), CloudTiles::new(table.cloud().samples()));
+        self.stored(occluders, cloud, &tiles, table, receivers, |mask, out| {
+            out.copy_from_slice(&mask[..out.len()]);
+        })
     }
 
     fn per_receiver_of_cloud<S: AsRef<[IVec3]>, V: Copy + Send>(

@@ -3,12 +3,13 @@
 
 use rayon::prelude::*;
 use umbra4_core::{
-    Bounds, Jitter, Lattice, MaskWord, Precision, Punctual, SphereLight,
+    Bounds, Jitter, Lattice, Precision, Punctual, SphereLight,
     cloud::{Cloud, CloudError, MAX_CLOUD},
+    cloud_table::{CloudTable, TableSize},
     glam::{DVec3, IVec3},
     snap::LIMIT,
 };
-use umbra4_cpu::{CloudMasks, CpuExecutor, Isa, Occluders, Receivers};
+use umbra4_cpu::{CpuExecutor, Isa, Occluders, Receivers};
 use umbra4_tests::{
     compare::{Amount, Compared, compare_masks, compare_visibility},
     ledger::say,
@@ -265,19 +266,19 @@ fn ball(subdivisions: u32, side: i32) -> (Occluders, Receivers, Cloud<Vec<IVec3>
 
 #[test]
 fn a_ball_s_shadow() {
-    let (occluders, receivers, cloud) = ball(5, 48);
+    let (occluders, receivers, cloud) = ball(4, 40);
     let triangles: Vec<_> = (0..occluders.triangles().len()).filter_map(|t| occluders.corners(t)).collect();
     let (masks, statistics) = CpuExecutor::new().cloud_masks(&occluders, &cloud, &receivers).expect("it fits");
-    // The oracle's, of every seventh receiver.
+    // The oracle's, of every twenty-third receiver.
     let (mut some, mut all) = (0, 0);
-    for (r, p) in receivers.points().iter().enumerate().step_by(7) {
+    for (r, p) in receivers.points().iter().enumerate().step_by(23) {
         let expected = oracle(cloud.samples(), &[*p], &triangles);
         let mask = masks.receiver(r).expect("there is such a receiver");
         compare_masks(&expected, mask, cloud.words() as u32, 32, Amount::Some).unwrap_or_else(|e| panic!("{r}: {e}"));
         let blocked: u32 = mask.iter().map(|word| word.count_ones()).sum();
         (some, all) = (some + usize::from(blocked > 0), all + usize::from(blocked == 256));
     }
-    assert!(all > 5 && some > all + 10, "{some} receivers in shadow, {all} of them in full");
+    assert!(all > 2 && some > all + 5, "{some} receivers in shadow, {all} of them in full");
     // What is no occluder is not looked at.
     let counts = statistics.counts;
     let pairs = (receivers.len() * triangles.len()) as u64;
@@ -311,6 +312,35 @@ fn what_is_not_reached_costs_nothing() {
     let (masks, statistics) = executor.cloud_masks(&occluders, &cloud, &receivers).expect("it fits");
     assert!(masks.words().is_empty() && statistics.seconds_by_stage.is_empty());
     assert!(executor.cloud_visibility(&occluders, &cloud, &receivers).expect("it fits").0.is_empty());
+}
+
+/// The table's bits differ from the exact ones, by less the finer it is; its coarsest planes leave a shadow all the same.
+#[test]
+fn tables_come_close() {
+    let (occluders, receivers, cloud) = ball(4, 48);
+    let samples = cloud.samples().len() as f64;
+    for isa in Isa::available() {
+        let executor = CpuExecutor::new().with_isa(isa);
+        let (exact, _) = executor.cloud_masks(&occluders, &cloud, &receivers).expect("it fits");
+        let mut last = 1.0;
+        for (directions, distances, most) in [(8, 8, 0.02), (32, 32, 0.004), (128, 128, 0.001)] {
+            let size = TableSize { directions, distances };
+            let room = vec![!0; CloudTable::words_of(&cloud, size).expect("a size")];
+            let table = CloudTable::new(&cloud, size, room).expect("the room is that of the table");
+            let (masks, _) = executor.cloud_masks_by_table(&occluders, &table, &receivers).expect("it fits");
+            let differing = exact.words().iter().zip(masks.words()).map(|(a, b)| (a ^ b).count_ones()).sum::<u32>();
+            let lit = |mask: &[u32]| mask.iter().map(|word| word.count_zeros()).sum::<u32>();
+            let pairs = exact.words().chunks(cloud.words()).zip(masks.words().chunks(cloud.words()));
+            let error: u32 = pairs.map(|(a, b)| lit(a).abs_diff(lit(b))).sum();
+            let [differing, error] = [differing, error].map(|n| f64::from(n) / samples / receivers.len() as f64);
+            assert!(differing > 0.0 && differing < most && differing < last, "{directions}, {isa}: {differing}");
+            last = differing;
+            say(&format!(
+                "a table of {directions}² × {distances} planes, {isa}: {differing:.5} of all bits differ, visibility is off by \
+                 {error:.5}"
+            ));
+        }
+    }
 }
 
 /// The comparison above would notice.
@@ -356,10 +386,4 @@ fn bad_clouds_are_refused() {
         assert_eq!(error, CloudError::OutsideLattice { index, sample });
         assert!(error.to_string().contains(&format!("sample {index}")), "{error}");
     }
-}
-
-#[allow(dead_code)]
-fn is_public(masks: CloudMasks) -> Vec<u32> {
-    let _ = u32::BITS == <u32 as MaskWord>::BITS;
-    masks.into_words()
 }
