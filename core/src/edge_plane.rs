@@ -374,7 +374,7 @@ const fn low_bits(n: usize) -> u32 {
 
 /// `q − p`.
 #[inline(always)]
-fn towards<L: Lanes>(q: IVec3, p: &[L::Ints; 3]) -> [L; 3] {
+pub(crate) fn towards<L: Lanes>(q: IVec3, p: &[L::Ints; 3]) -> [L; 3] {
     [
         L::difference(L::splat_int(q.x), p[0]),
         L::difference(L::splat_int(q.y), p[1]),
@@ -384,7 +384,7 @@ fn towards<L: Lanes>(q: IVec3, p: &[L::Ints; 3]) -> [L; 3] {
 
 /// −1 in the lanes whose bit is set, 1 in the others.
 #[inline(always)]
-fn turned<L: Lanes>(flipped: u32, first: usize) -> L {
+pub(crate) fn turned<L: Lanes>(flipped: u32, first: usize) -> L {
     let mut signs = [1.0_f32; TILE];
     let mut lane = 0;
     while lane < TILE {
@@ -402,13 +402,13 @@ pub(crate) fn dot<L: Lanes>(a: &[L; 3], b: &[L; 3]) -> L {
 }
 
 #[inline(always)]
-fn dot_scalar<L: Lanes>(a: Vec3, b: &[L; 3]) -> L {
+pub(crate) fn dot_scalar<L: Lanes>(a: Vec3, b: &[L; 3]) -> L {
     dot(&[L::splat(a.x), L::splat(a.y), L::splat(a.z)], b)
 }
 
 /// `d × e`.
 #[inline(always)]
-fn cross_scalar<L: Lanes>(d: &[L; 3], e: Vec3) -> [L; 3] {
+pub(crate) fn cross_scalar<L: Lanes>(d: &[L; 3], e: Vec3) -> [L; 3] {
     let (x, y, z) = (L::splat(e.x), L::splat(e.y), L::splat(e.z));
     [d[1].mul(z).sub(d[2].mul(y)), d[2].mul(x).sub(d[0].mul(z)), d[0].mul(y).sub(d[1].mul(x))]
 }

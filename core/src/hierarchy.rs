@@ -6,6 +6,8 @@
 //! entries'. There is no topology to store, a level is one pass over the one below, and moved vertices only need
 //! the passes again.
 
+use core::marker::PhantomData;
+
 use crate::{
     lanes::Lanes,
     proj4::{KeyTile, Keys, NODE},
@@ -88,25 +90,51 @@ impl Root {
     }
 }
 
+/// What a walk asks of the nodes it meets.
+pub trait Question: Copy {
+    /// Sixteen entries of a node, as it sees them.
+    type Tile;
+    /// Which of the entries it wants to look into: bit e is entry e.
+    fn open<L: Lanes>(&self, tile: &Self::Tile) -> u32;
+}
+
+/// The full-coverage test: what a group of receivers needs.
+impl Question for Keys {
+    type Tile = KeyTile;
+
+    #[inline(always)]
+    fn open<L: Lanes>(&self, tile: &KeyTile) -> u32 {
+        tile.dominating::<L>(self)
+    }
+}
+
 /// Walks the triangles that may block something from a group of receivers, nearest in the order first.
 ///
 /// A walk stops for good once it has returned `None`.
 #[derive(Clone, Copy, Debug)]
-pub struct Walk {
+pub struct Walk<Q = Keys> {
     tile: [u32; MAX_LEVELS],
     bits: [u32; MAX_LEVELS],
     level: usize,
     /// One above the root's level.
     end: usize,
     levels: Levels,
+    question: PhantomData<Q>,
 }
 
-impl Walk {
+impl<Q: Question> Walk<Q> {
     /// Starts at the root.
     #[inline(always)]
-    pub fn new<L: Lanes>(levels: &Levels, root: Root, tiles: &[KeyTile], need: &Keys) -> Self {
+    pub fn new<L: Lanes>(levels: &Levels, root: Root, tiles: &[Q::Tile], need: &Q) -> Self {
         let end = if root.level < levels.count() { root.level + 1 } else { 0 };
-        let mut walk = Self { tile: [0; MAX_LEVELS], bits: [0; MAX_LEVELS], level: end, end, levels: *levels };
+        let mut walk = Self {
+            tile: [0; MAX_LEVELS],
+            bits: [0; MAX_LEVELS],
+            level: end,
+            end,
+            levels: *levels,
+            question: PhantomData,
+        };
         if end > 0 {
             walk.enter::<L>(root.level, root.tile, tiles, need);
         }
@@ -120,17 +148,17 @@ impl Walk {
     }
 
     #[inline(always)]
-    fn enter<L: Lanes>(&mut self, level: usize, tile: u32, tiles: &[KeyTile], need: &Keys) {
+    fn enter<L: Lanes>(&mut self, level: usize, tile: u32, tiles: &[Q::Tile], need: &Q) {
         let l = level % MAX_LEVELS;
         self.level = level;
         self.tile[l] = tile;
         let place = (self.levels.starts[l] + tile) as usize;
-        self.bits[l] = if place < tiles.len() { tiles[place].dominating::<L>(need) } else { 0 };
+        self.bits[l] = if place < tiles.len() { need.open::<L>(&tiles[place]) } else { 0 };
     }
 
     /// The next tile of triangles of which some may block something: its index, and the bits of those.
     #[inline(always)]
-    pub fn next<L: Lanes>(&mut self, tiles: &[KeyTile], need: &Keys) -> Option<(u32, u32)> {
+    pub fn next<L: Lanes>(&mut self, tiles: &[Q::Tile], need: &Q) -> Option<(u32, u32)> {
         while self.level < self.end {
             let l = self.level % MAX_LEVELS;
             let bits = self.bits[l];

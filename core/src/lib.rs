@@ -51,6 +51,14 @@ pub mod any_light;
 #[cfg(not(target_arch = "spirv"))]
 pub mod area_light;
 #[cfg(not(target_arch = "spirv"))]
+pub mod cloud;
+#[cfg(not(target_arch = "spirv"))]
+pub mod cloud_pair;
+#[cfg(not(target_arch = "spirv"))]
+pub mod cloud_table;
+#[cfg(not(target_arch = "spirv"))]
+pub mod cloud_tiles;
+#[cfg(not(target_arch = "spirv"))]
 pub mod corner;
 #[cfg(not(target_arch = "spirv"))]
 pub mod depth;
@@ -75,7 +83,11 @@ pub mod punctual_light;
 #[cfg(not(target_arch = "spirv"))]
 pub mod serial;
 #[cfg(not(target_arch = "spirv"))]
+pub mod shaft;
+#[cfg(not(target_arch = "spirv"))]
 pub mod silhouette;
+#[cfg(not(target_arch = "spirv"))]
+pub mod volume_light;
 
 pub use glam;
 
@@ -100,3 +112,5 @@ pub use lattice::{Bounds, Lattice, LatticeError, SnapError};
 pub use plan::{IndexKind, Pass, Plan, SceneFacts};
 #[cfg(not(target_arch = "spirv"))]
 pub use punctual_light::{DirectionalLight, PointLight, PunctualLightError};
+#[cfg(not(target_arch = "spirv"))]
+pub use volume_light::{EllipsoidLight, SphereLight, TubeLight, VolumeLightError};

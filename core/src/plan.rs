@@ -15,6 +15,8 @@ pub enum IndexKind {
     Silhouette,
     /// [`crate::grid`], the paper's.
     Grid,
+    /// [`crate::shaft`]: before a light that is a [`crate::cloud`], whose masks come from [`Stage::ResolveCloud`].
+    Shafts,
 }
 
 /// Cheap, exact facts about one run.
@@ -109,10 +111,11 @@ impl Plan {
     /// The first that the executor reports; no later pass is run.
     pub fn run<E: Executor>(&self, executor: &mut E) -> Result<(), E::Error> {
         let facts = &self.facts;
-        if facts.receivers == 0 {
+        let index = self.index();
+        // Before a cloud, every receiver is in full light where nothing lies between.
+        if facts.receivers == 0 || (index == IndexKind::Shafts && facts.triangles == 0) {
             return Ok(());
         }
-        let index = self.index();
         let mut once = |stage, count, first| {
             if count > 0 { executor.dispatch(&Pass { stage, count, first }) } else { Ok(()) }
         };
@@ -138,6 +141,10 @@ impl Plan {
                     let resolve = if facts.punctual { Stage::ResolvePunctual } else { Stage::Resolve };
                     once(resolve, count.div_ceil(crate::lanes::TILE as u32), first)?;
                 }
+                IndexKind::Shafts => {
+                    once(Stage::OrderReceivers, count, first)?;
+                    once(Stage::ResolveCloud, count.div_ceil(crate::lanes::TILE as u32), first)?;
+                }
                 IndexKind::Grid => {
                     once(Stage::DefineFrame, count, first)?;
                     once(Stage::BinReceivers, count, first)?;
@@ -161,7 +168,7 @@ impl Plan {
     pub fn reason(&self, stage: Stage) -> (bool, &'static str) {
         let facts = &self.facts;
         let (work, triangles) = (facts.receivers > 0, facts.triangles > 0);
-        let grid = self.index() == IndexKind::Grid;
+        let (grid, cloud) = (self.index() == IndexKind::Grid, self.index() == IndexKind::Shafts);
         match stage {
             _ if !work => (false, "no receivers"),
             Stage::SnapVertices if facts.new_vertices == 0 => (false, "the scene is on the lattice already"),
@@ -171,7 +178,14 @@ impl Plan {
             Stage::Resolve | Stage::FindSilhouette if facts.punctual => {
                 (false, "the light has no extent: a mask is one bit")
             }
+            Stage::Resolve | Stage::ResolvePunctual | Stage::FindSilhouette if cloud => {
+                (false, "the light is a cloud of samples")
+            }
             Stage::ResolvePunctual if !facts.punctual => (false, "the light has an area"),
+            Stage::ResolveCloud if !cloud => (false, "the light is no cloud"),
+            _ if cloud && !triangles => {
+                (false, if facts.reached { "no triangles" } else { "no triangle lies between receivers and light" })
+            }
             Stage::OrderTriangles
             | Stage::BuildLevel
             | Stage::FindSilhouette
@@ -200,6 +214,7 @@ impl Plan {
             | Stage::OrderReceivers
             | Stage::Resolve
             | Stage::ResolvePunctual
+            | Stage::ResolveCloud
             | Stage::ResolveCells => (true, "receivers to shadow"),
             Stage::Reduce if !facts.visibility => (false, "masks only"),
             Stage::Reduce => (true, "visibility is asked for"),

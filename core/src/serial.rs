@@ -258,6 +258,7 @@ impl<W: MaskWord, P: PrecisionMode> Executor for Serial<'_, W, P> {
             Stage::Resolve => (self.resolve(pass), "masks or receiver_order"),
             Stage::FindSilhouette
             | Stage::ResolvePunctual
+            | Stage::ResolveCloud
             | Stage::DefineFrame
             | Stage::BinReceivers
             | Stage::BinTriangles

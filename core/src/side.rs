@@ -34,9 +34,9 @@ pub struct Sides {
 
 /// Planes from a group's base: `n·(a − p)` for a point a of each. Axis-major.
 pub(crate) struct Planes<const N: usize> {
-    normals: [[f32; N]; 3],
-    at_base: [f32; N],
-    doubt: [f32; N],
+    pub(crate) normals: [[f32; N]; 3],
+    pub(crate) at_base: [f32; N],
+    pub(crate) doubt: [f32; N],
 }
 
 impl Sides {
@@ -49,8 +49,19 @@ impl Sides {
         wanted: u32,
         fallbacks: &mut Tally,
     ) -> Self {
+        Self::seen_from::<L, P>(&view.offsets, receivers, occluder, wanted, fallbacks)
+    }
+
+    /// The same, of receivers that lie at `offsets`.
+    #[inline(always)]
+    pub(crate) fn seen_from<L: Lanes, P: PrecisionMode>(
+        offsets: &Offsets,
+        receivers: &ReceiverTile,
+        occluder: &Occluder,
+        wanted: u32,
+        fallbacks: &mut Tally,
+    ) -> Self {
         let [a, b, c] = occluder.corners();
-        let offsets = &view.offsets;
         let planes = Planes::spanned::<L, P>(offsets, &single(b - a), &single(c - a), &single(a - offsets.base));
         let (positive, unsure) = planes.signs::<L, P>(offsets, 0);
         let unsure = unsure & wanted;

@@ -3,7 +3,10 @@
 use rayon::prelude::*;
 use umbra4_core::glam::IVec3;
 
-use crate::neighbours::Neighbours;
+use crate::{
+    morton::{Curve, along},
+    neighbours::Neighbours,
+};
 
 /// What stays of a mesh while only its vertices move.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -39,35 +42,11 @@ fn gathered(vertices: &[IVec3], which: &[u32]) -> Vec<IVec3> {
     which.par_iter().map(|vertex| vertices[*vertex as usize]).collect()
 }
 
-/// Binary digits of a place on the curve, per axis.
-const DIGITS: u32 = 21;
-
 /// Triangles along a Morton curve through the box around the vertices, by their middles.
 fn along_curve(vertices: &[IVec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    let low = vertices.par_iter().copied().reduce(|| IVec3::MAX, IVec3::min);
-    let high = vertices.par_iter().copied().reduce(|| IVec3::MIN, IVec3::max);
-    let above = |p: IVec3| [0, 1, 2].map(|axis| u64::from(p[axis].abs_diff(low[axis])));
-    let range = if vertices.is_empty() { [0; 3] } else { above(high) };
-    // The sum of three coordinates takes two digits more than their range.
-    let digits = range.map(|range| u64::BITS - range.leading_zeros() + 2);
-    let shift = digits[0].max(digits[1]).max(digits[2]).saturating_sub(DIGITS);
-    let code = |triangle: &[u32; 3]| {
-        let [a, b, c] = triangle.map(|vertex| above(vertices[vertex as usize]));
-        let [x, y, z] = [0, 1, 2].map(|axis| spread((a[axis] + b[axis] + c[axis]) >> shift));
-        x << 2 | y << 1 | z
-    };
-    let mut order: Vec<(u64, u32)> = triangles.par_iter().map(code).zip(0..triangles.len() as u32).collect();
-    order.par_sort_unstable();
-    order.par_iter().map(|(_, index)| triangles[*index as usize]).collect()
-}
-
-/// Moves bit n to bit 3n; of 21 bits.
-fn spread(x: u64) -> u64 {
-    let x = (x | x << 32) & 0x001f_0000_0000_ffff;
-    let x = (x | x << 16) & 0x001f_0000_ff00_00ff;
-    let x = (x | x << 8) & 0x100f_00f0_0f00_f00f;
-    let x = (x | x << 4) & 0x10c3_0c30_c30c_30c3;
-    (x | x << 2) & 0x1249_2492_4924_9249
+    let curve = Curve::through(vertices, 3);
+    let place = |index: usize| curve.place(triangles[index].map(|vertex| vertices[vertex as usize]));
+    along(triangles.len(), place).par_iter().map(|index| triangles[*index as usize]).collect()
 }
 
 /// All vertices, in the order in which triangles name them first; those that none names come last.
@@ -87,14 +66,6 @@ fn first_named(vertices: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn bits_are_spread() {
-        for bit in 0..DIGITS {
-            assert_eq!(spread(1 << bit), 1 << (3 * bit));
-        }
-        assert_eq!(spread((1 << DIGITS) - 1).count_ones(), DIGITS);
-    }
 
     #[test]
     fn a_mesh_stays_what_it_is() {

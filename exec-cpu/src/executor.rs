@@ -86,7 +86,7 @@ pub enum ExecutorError {
 }
 
 /// Receivers worked on at once: bounds the memory of a run, whatever the size of the image.
-const BLOCK: u32 = 1 << 18;
+pub(crate) const BLOCK: u32 = 1 << 18;
 
 /// Runs the stages on CPU threads.
 ///
@@ -109,10 +109,10 @@ const BLOCK: u32 = 1 << 18;
 /// ```
 #[derive(Clone, Debug)]
 pub struct CpuExecutor {
-    precision: Precision,
+    pub(crate) precision: Precision,
     isa: Isa,
     index: Index,
-    pool: Option<Arc<ThreadPool>>,
+    pub(crate) pool: Option<Arc<ThreadPool>>,
 }
 
 impl Default for CpuExecutor {

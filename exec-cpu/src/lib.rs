@@ -2,12 +2,17 @@
 //! `umbra4-core`.
 
 mod arrangement;
+mod cloud;
+mod cloud_light;
+mod cloud_masks;
+mod cloud_triangles;
 mod executor;
 mod grid;
 mod hard_shadows;
 mod hierarchy;
 mod lights;
 mod masks;
+mod morton;
 mod neighbours;
 mod open_sides;
 mod order;
@@ -22,6 +27,7 @@ mod statistics;
 mod triangles;
 mod word;
 
+pub use cloud_masks::CloudMasks;
 pub use executor::{CpuExecutor, ExecutorError};
 pub use grid::{Binning, GridOptions, Index};
 pub use hard_shadows::HardShadows;

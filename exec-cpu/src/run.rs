@@ -237,8 +237,12 @@ impl<W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W
         let (first, count) = (pass.first as usize, pass.count as usize);
         match pass.stage {
             // The scene and the receivers are snapped when they are made, and the visitor reduces.
-            // Lights without extent have runs of their own.
-            Stage::SnapVertices | Stage::SnapReceivers | Stage::Reduce | Stage::ResolvePunctual => return Ok(()),
+            // Lights without extent, and clouds, have runs of their own.
+            Stage::SnapVertices
+            | Stage::SnapReceivers
+            | Stage::Reduce
+            | Stage::ResolvePunctual
+            | Stage::ResolveCloud => return Ok(()),
             Stage::KeyTriangles => self.key_triangles(),
             Stage::OrderTriangles => self.order_triangles(),
             Stage::BuildLevel => self.build_level(first),

@@ -166,6 +166,7 @@ pub fn dispatches<E>(
         Stage::SnapVertices
         | Stage::SnapReceivers
         | Stage::FindSilhouette
+        | Stage::ResolveCloud
         | Stage::DefineFrame
         | Stage::BinReceivers
         | Stage::BinTriangles

@@ -10,6 +10,8 @@ pub mod reduce;
 pub mod resolve;
 #[cfg(not(target_arch = "spirv"))]
 pub mod resolve_cells;
+#[cfg(not(target_arch = "spirv"))]
+pub mod resolve_cloud;
 pub mod resolve_punctual;
 #[cfg(not(target_arch = "spirv"))]
 pub mod resolve_silhouette;
@@ -41,6 +43,8 @@ pub enum Stage {
     Resolve,
     /// Which receivers of a group a light without extent does not reach.
     ResolvePunctual,
+    /// Which samples of a cloud a group of receivers does not see.
+    ResolveCloud,
     /// Plane and extent of the frame buffer of [`crate::grid`].
     DefineFrame,
     /// Receivers into the cells of the frame buffer.
@@ -117,7 +121,7 @@ pub struct StageInfo {
 use Binding as B;
 
 /// All stages, in the order in which data flows.
-pub const TABLE: [StageInfo; 15] = [
+pub const TABLE: [StageInfo; 16] = [
     StageInfo {
         stage: Stage::SnapVertices,
         name: "snap_vertices",
@@ -193,6 +197,14 @@ pub const TABLE: [StageInfo; 15] = [
     StageInfo {
         stage: Stage::ResolvePunctual,
         name: "resolve_punctual",
+        id: "group of sixteen receivers",
+        reads: &[B::Receivers, B::Groups, B::Occluders, B::Nodes],
+        writes: &[B::Masks],
+        workgroup: 16,
+    },
+    StageInfo {
+        stage: Stage::ResolveCloud,
+        name: "resolve_cloud",
         id: "group of sixteen receivers",
         reads: &[B::Receivers, B::Groups, B::Occluders, B::Nodes],
         writes: &[B::Masks],

@@ -4,11 +4,13 @@ use std::fmt;
 
 use umbra4_core::{
     Exact, Fast, MaskWord, Precision, PrecisionMode,
+    cloud_pair::SampleTest,
     jitter::{Pattern, Regular, Samples},
     lanes::{Lanes, Sixteen},
     stage::{
         resolve::{Group, Occlusion, resolve},
         resolve_cells::{CellScene, resolve_cell},
+        resolve_cloud::{CloudGroup, CloudScene, resolve_cloud},
         resolve_punctual::{PunctualGroup, PunctualScene, resolve_punctual},
         resolve_silhouette::{SilhouetteRoom, SilhouetteScene, resolve_silhouette},
     },
@@ -181,6 +183,26 @@ impl Isa {
             Self::Portable => resolve_punctual::<Sixteen, P>(scene, group),
         }
     }
+
+    /// Fills the masks of a group before a cloud. `self` comes from [`Isa::available`].
+    #[inline]
+    pub(crate) fn resolve_cloud<P: PrecisionMode, T: SampleTest>(
+        self,
+        scene: &CloudScene<'_, T>,
+        group: &mut CloudGroup,
+    ) {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: an executor only holds an instruction set that `available` has detected.
+            Self::Avx512 => unsafe { resolve_cloud_avx512::<P, T>(scene, group) },
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: as above.
+            Self::Avx2 => unsafe { resolve_cloud_avx2::<P, T>(scene, group) },
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => resolve_cloud::<neon::Neon, P, T>(scene, group),
+            Self::Portable => resolve_cloud::<Sixteen, P, T>(scene, group),
+        }
+    }
 }
 
 impl fmt::Display for Isa {
@@ -253,4 +275,16 @@ fn resolve_punctual_avx512<P: PrecisionMode>(scene: &PunctualScene<'_>, group: &
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn resolve_punctual_avx2<P: PrecisionMode>(scene: &PunctualScene<'_>, group: &mut PunctualGroup) {
     resolve_punctual::<avx2::Avx2, P>(scene, group);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn resolve_cloud_avx512<P: PrecisionMode, T: SampleTest>(scene: &CloudScene<'_, T>, group: &mut CloudGroup) {
+    resolve_cloud::<avx512::Avx512, P, T>(scene, group);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn resolve_cloud_avx2<P: PrecisionMode, T: SampleTest>(scene: &CloudScene<'_, T>, group: &mut CloudGroup) {
+    resolve_cloud::<avx2::Avx2, P, T>(scene, group);
 }

@@ -1,0 +1,147 @@
+//! One run for a cloud: the stages as rayon jobs.
+
+use std::{
+    sync::{Mutex, PoisonError},
+    time::Instant,
+};
+
+use rayon::prelude::*;
+use umbra4_core::{
+    Counts, Exact, Executor, Fast, Pass, Plan, Precision,
+    cloud::CloudMask,
+    cloud_pair::SampleTest,
+    cloud_tiles::CloudTiles,
+    glam::IVec3,
+    lanes::TILE,
+    stage::{
+        Stage,
+        resolve_cloud::{CloudGroup, CloudScene},
+    },
+};
+
+use crate::{
+    ExecutorError, Isa, Occluders, Statistics,
+    cloud_triangles::{self, CloudTriangles},
+    morton::{Curve, along},
+};
+
+/// Groups a job.
+const GROUPS_A_JOB: usize = 16;
+
+/// What is run on.
+#[derive(Clone, Copy)]
+pub(crate) struct CloudInput<'a, T> {
+    pub(crate) plan: &'a Plan,
+    pub(crate) isa: Isa,
+    pub(crate) precision: Precision,
+    pub(crate) cloud: &'a CloudTiles<'a>,
+    pub(crate) test: &'a T,
+    pub(crate) scene: &'a Occluders,
+    pub(crate) points: &'a [IVec3],
+    /// A box around the cloud and all points.
+    pub(crate) extent: [IVec3; 2],
+}
+
+/// An executor for one cloud. `visit` is handed every receiver, its mask, and how many samples it sees.
+pub(crate) struct CloudRun<'a, T, V> {
+    input: CloudInput<'a, T>,
+    visit: &'a V,
+    order: Vec<u32>,
+    triangles: CloudTriangles,
+    curve: Curve,
+    receiver_order: Vec<u32>,
+    statistics: Statistics,
+}
+
+impl<'a, T: SampleTest, V: Fn(usize, &CloudMask, u32) + Sync> CloudRun<'a, T, V> {
+    pub(crate) fn new(input: CloudInput<'a, T>, visit: &'a V) -> Self {
+        Self {
+            input,
+            visit,
+            order: Vec::new(),
+            triangles: CloudTriangles::default(),
+            curve: Curve::through(&[], 1),
+            receiver_order: Vec::new(),
+            statistics: Statistics::default(),
+        }
+    }
+
+    /// Runs the plan.
+    pub(crate) fn finish(mut self) -> Result<Statistics, ExecutorError> {
+        let plan = self.input.plan;
+        plan.run(&mut self)?;
+        Ok(self.statistics)
+    }
+
+    fn pack(&mut self, order: Option<&[u32]>) {
+        let CloudInput { plan, cloud, scene, extent, .. } = self.input;
+        self.triangles = CloudTriangles::pack(scene, cloud, order, plan.levels(), extent);
+    }
+
+    fn key_triangles(&mut self) {
+        if self.input.plan.facts().arranged {
+            self.pack(None);
+        } else {
+            self.order = cloud_triangles::order(self.input.scene);
+        }
+    }
+
+    fn order_triangles(&mut self) {
+        let order = std::mem::take(&mut self.order);
+        self.pack(Some(&order));
+    }
+
+    fn order_receivers(&mut self, first: usize, count: usize) {
+        let (points, curve) = (&self.input.points[first..first + count], self.curve);
+        self.receiver_order = along(count, |index| curve.place([points[index]]));
+    }
+
+    fn resolve(&mut self, first: usize) {
+        let CloudInput { plan, isa, precision, cloud, test, points, .. } = self.input;
+        let CloudTriangles { occluders, nodes } = &self.triangles;
+        let scene = CloudScene { cloud, test, levels: plan.levels(), nodes, occluders };
+        let total = Mutex::new(Counts::default());
+        self.receiver_order.par_chunks(TILE * GROUPS_A_JOB).for_each(|job| {
+            let mut counts = Counts::default();
+            for indices in job.chunks(TILE) {
+                let mut group = CloudGroup::default();
+                for (lane, index) in indices.iter().enumerate() {
+                    group.set(lane, points[first + *index as usize], cloud.len());
+                }
+                match precision {
+                    Precision::Exact => isa.resolve_cloud::<Exact, T>(&scene, &mut group),
+                    Precision::Fast => isa.resolve_cloud::<Fast, T>(&scene, &mut group),
+                }
+                counts = counts.plus(group.counts);
+                for (lane, index) in indices.iter().enumerate() {
+                    (self.visit)(first + *index as usize, &group.masks[lane], group.lit[lane]);
+                }
+            }
+            let mut total = total.lock().unwrap_or_else(PoisonError::into_inner);
+            *total = total.plus(counts);
+        });
+        let found = total.into_inner().unwrap_or_else(PoisonError::into_inner);
+        self.statistics.counts = self.statistics.counts.plus(found);
+    }
+}
+
+impl<T: SampleTest, V: Fn(usize, &CloudMask, u32) + Sync> Executor for CloudRun<'_, T, V> {
+    type Error = ExecutorError;
+
+    fn dispatch(&mut self, pass: &Pass) -> Result<(), ExecutorError> {
+        let start = Instant::now();
+        let (first, count) = (pass.first as usize, pass.count as usize);
+        match pass.stage {
+            Stage::KeyTriangles => self.key_triangles(),
+            Stage::OrderTriangles => self.order_triangles(),
+            Stage::BuildLevel => self.triangles.build_level(self.input.plan.levels(), first),
+            Stage::KeyReceivers => self.curve = Curve::through(&self.input.points[first..first + count], 1),
+            Stage::OrderReceivers => self.order_receivers(first, count),
+            Stage::ResolveCloud => self.resolve(first),
+            // The visitor reduces; no plan of a cloud holds another.
+            _ => return Ok(()),
+        }
+        self.statistics.add(pass.stage, start.elapsed());
+        Ok(())
+    }
+}

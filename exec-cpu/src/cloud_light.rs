@@ -1,0 +1,282 @@
+//! The ways to ask about a cloud.
+
+use rayon::prelude::*;
+use umbra4_core::{
+    IndexKind, Plan, SceneFacts,
+    cloud::{Cloud, CloudMask, WORD_BITS},
+    cloud_pair::SampleTest,
+    cloud_table::CloudTable,
+    cloud_tiles::CloudTiles,
+    glam::IVec3,
+    stage::reduce,
+};
+
+use crate::{
+    CloudMasks, CpuExecutor, ExecutorError, Occluders, Receivers, Statistics,
+    cloud::{CloudInput, CloudRun},
+    cloud_triangles::{box_of, meet},
+    executor::BLOCK,
+    morton::{Curve, along, around},
+    scatter::Scatter,
+};
+
+/// Triangles that are worth a job.
+const PART: usize = 1 << 12;
+
+/// The samples in the order in which they are worked on: those that follow each other lie together.
+struct Arranged {
+    samples: Vec<IVec3>,
+    /// Which bit of the caller's a sample is.
+    bits: Vec<u32>,
+}
+
+impl Arranged {
+    fn of(samples: &[IVec3]) -> Self {
+        let curve = Curve::through(samples, 1);
+        let bits = along(samples.len(), |k| curve.place([samples[k]]));
+        Self { samples: bits.iter().map(|bit| samples[*bit as usize]).collect(), bits }
+    }
+
+    /// Writes a mask in the caller's order over zeros.
+    fn write(&self, mask: &CloudMask, out: &mut [u32]) {
+        for (word, of_word) in mask.iter().zip(self.bits.chunks(WORD_BITS)) {
+            for (k, bit) in of_word.iter().enumerate() {
+                out[*bit as usize / WORD_BITS] |= (word >> k & 1) << (*bit as usize % WORD_BITS);
+            }
+        }
+    }
+}
+
+impl CpuExecutor {
+    /// What will run for a cloud.
+    pub fn cloud_plan<S: AsRef<[IVec3]>>(
+        &self,
+        occluders: &Occluders,
+        cloud: &Cloud<S>,
+        receivers: &Receivers,
+        visibility: bool,
+    ) -> Plan {
+        cloud_plan(occluders, receivers, extent(cloud, receivers), visibility)
+    }
+
+    /// The masks of all receivers before a cloud of samples. They are exact, bit by bit, in [`umbra4_core::Precision::Exact`].
+    ///
+    /// ```
+    /// use umbra4_cpu::{CpuExecutor, Occluders, Receivers};
+    /// use umbra4_core::{SphereLight, glam::{DVec3, IVec3, Vec3}, Bounds, Lattice};
+    ///
+    /// let lattice = Lattice::covering(Bounds { min: DVec3::splat(-4.0), max: DVec3::splat(4.0) })?;
+    /// let vertices = [Vec3::new(-1.0, 1.0, -1.0), Vec3::new(1.0, 1.0, -1.0), Vec3::new(0.0, 1.0, 1.0)];
+    /// let occluders = Occluders::new(&lattice, &vertices, &[[0, 1, 2]])?;
+    /// let receivers = Receivers::raw(&lattice, &[Vec3::ZERO, Vec3::new(3.0, 0.0, 0.0)])?;
+    ///
+    /// let lamp = SphereLight { center: DVec3::new(0.0, 3.0, 0.0), radius: 0.5 }.snap(&lattice, [IVec3::ZERO; 256])?;
+    /// let (masks, _) = CpuExecutor::new().cloud_masks(&occluders, &lamp, &receivers)?;
+    /// assert_eq!(masks.receiver(0), Some(&[u32::MAX; 8][..])); // 256 samples, all blocked
+    /// assert_eq!(masks.receiver(1), Some(&[0; 8][..]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Masks that would not fit the address space.
+    pub fn cloud_masks<S: AsRef<[IVec3]>>(
+        &self,
+        occluders: &Occluders,
+        cloud: &Cloud<S>,
+        receivers: &Receivers,
+    ) -> Result<(CloudMasks, Statistics), ExecutorError> {
+        let arranged = Arranged::of(cloud.samples());
+        let tiles = CloudTiles::new(&arranged.samples);
+        self.stored(occluders, cloud, &tiles, &tiles, receivers, |mask, out| arranged.write(mask, out))
+    }
+
+    /// The fraction of a cloud's samples that every receiver sees, in `0.0..=1.0`. Masks are never stored.
+    ///
+    /// ```
+    /// use umbra4_cpu::{CpuExecutor, Occluders, Receivers};
+    /// use umbra4_core::{TubeLight, glam::{DVec3, IVec3, Vec3}, Bounds, Lattice};
+    ///
+    /// let lattice = Lattice::covering(Bounds { min: DVec3::splat(-4.0), max: DVec3::splat(4.0) })?;
+    /// let vertices = [Vec3::new(-9.0, 1.0, -3.0), Vec3::new(0.0, 1.0, -3.0), Vec3::new(0.0, 1.0, 3.0)].map(|v| v * 0.4);
+    /// let occluders = Occluders::new(&lattice, &vertices, &[[0, 1, 2]])?;
+    /// let receivers = Receivers::raw(&lattice, &[Vec3::ZERO, Vec3::new(3.0, 0.0, 0.0)])?;
+    ///
+    /// let tube = TubeLight { from: DVec3::new(-2.0, 3.0, 0.0), to: DVec3::new(2.0, 3.0, 0.0), radius: 0.1 };
+    /// let tube = tube.snap(&lattice, vec![IVec3::ZERO; 100])?;
+    /// let (visibility, _) = CpuExecutor::new().cloud_visibility(&occluders, &tube, &receivers)?;
+    /// assert!(visibility[0] > 0.4 && visibility[0] < 0.6); // half of it stands behind the triangle
+    /// assert_eq!(visibility[1], 1.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// None yet.
+    pub fn cloud_visibility<S: AsRef<[IVec3]>>(
+        &self,
+        occluders: &Occluders,
+        cloud: &Cloud<S>,
+        receivers: &Receivers,
+    ) -> Result<(Vec<f32>, Statistics), ExecutorError> {
+        let samples = cloud.samples().len() as u32;
+        let table: Vec<f32> = (0..=samples).map(|lit| reduce::visibility(lit, samples)).collect();
+        self.per_receiver_of_cloud(occluders, cloud, receivers, |lit| table[lit as usize])
+    }
+
+    /// How many samples of a cloud every receiver sees. Masks are never stored.
+    ///
+    /// ```
+    /// use umbra4_cpu::{CpuExecutor, Occluders, Receivers};
+    /// use umbra4_core::{cloud::Cloud, glam::{DVec3, IVec3, Vec3}, Bounds, Lattice};
+    ///
+    /// let lattice = Lattice::covering(Bounds { min: DVec3::splat(-4.0), max: DVec3::splat(4.0) })?;
+    /// let vertices = [Vec3::new(-1.0, 1.0, -1.0), Vec3::new(1.0, 1.0, -1.0), Vec3::new(0.0, 1.0, 1.0)];
+    /// let occluders = Occluders::new(&lattice, &vertices, &[[0, 1, 2]])?;
+    /// let receivers = Receivers::raw(&lattice, &[Vec3::ZERO])?;
+    ///
+    /// let samples = [DVec3::new(0.0, 2.0, 0.0), DVec3::new(3.0, 2.0, 0.0)].map(|p| lattice.snap_f64(p));
+    /// let samples: Vec<IVec3> = samples.into_iter().collect::<Result<_, _>>()?;
+    /// let (lit, _) = CpuExecutor::new().cloud_lit_counts(&occluders, &Cloud::new(samples)?, &receivers)?;
+    /// assert_eq!(lit, [1]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// None yet.
+    pub fn cloud_lit_counts<S: AsRef<[IVec3]>>(
+        &self,
+        occluders: &Occluders,
+        cloud: &Cloud<S>,
+        receivers: &Receivers,
+    ) -> Result<(Vec<u32>, Statistics), ExecutorError> {
+        self.per_receiver_of_cloud(occluders, cloud, receivers, |lit| lit)
+    }
+
+    /// The masks of all receivers before the cloud of a table, by its lookups: not exact, see [`umbra4_core::cloud_table`].
+    /// For a few hundred samples that saves no time.
+    ///
+    /// ```
+    /// use umbra4_cpu::{CpuExecutor, Occluders, Receivers};
+    /// use umbra4_core::{SphereLight, cloud_table::{CloudTable, TableSize}, glam::{DVec3, IVec3, Vec3}, Bounds, Lattice};
+    ///
+    /// let lattice = Lattice::covering(Bounds { min: DVec3::splat(-4.0), max: DVec3::splat(4.0) })?;
+    /// let vertices = [Vec3::new(-1.0, 1.0, -1.0), Vec3::new(1.0, 1.0, -1.0), Vec3::new(0.0, 1.0, 1.0)];
+    /// let occluders = Occluders::new(&lattice, &vertices, &[[0, 1, 2]])?;
+    /// let receivers = Receivers::raw(&lattice, &[Vec3::ZERO, Vec3::new(3.0, 0.0, 0.0)])?;
+    ///
+    /// let lamp = SphereLight { center: DVec3::new(0.0, 3.0, 0.0), radius: 0.5 }.snap(&lattice, [IVec3::ZERO; 128])?;
+    /// let size = TableSize { directions: 16, distances: 32 };
+    /// let table = CloudTable::new(&lamp, size, vec![0; CloudTable::words_of(&lamp, size)?])?;
+    /// let (masks, _) = CpuExecutor::new().cloud_masks_by_table(&occluders, &table, &receivers)?;
+    /// assert_eq!((masks.receiver(0), masks.receiver(1)), (Some(&[u32::MAX; 4][..]), Some(&[0; 4][..])));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Masks that would not fit the address space.
+    pub fn cloud_masks_by_table<C: AsRef<[IVec3]> + Sync, S: AsRef<[u32]> + Sync>(
+        &self,
+        occluders: &Occluders,
+        table: &CloudTable<'_, C, S>,
+        receivers: &Receivers,
+    ) -> Result<(CloudMasks, Statistics), ExecutorError> {
+        // In the table's order, which is the caller's.
+        let (cloud, tiles) = (table.cloud(), CloudTiles::new(table.cloud().samples()));
+        self.stored(occluders, cloud, &tiles, table, receivers, |mask, out| {
+            out.copy_from_slice(&mask[..out.len()]);
+        })
+    }
+
+    fn per_receiver_of_cloud<S: AsRef<[IVec3]>, V: Copy + Send>(
+        &self,
+        occluders: &Occluders,
+        cloud: &Cloud<S>,
+        receivers: &Receivers,
+        value: impl Fn(u32) -> V + Sync,
+    ) -> Result<(Vec<V>, Statistics), ExecutorError> {
+        let arranged = Arranged::of(cloud.samples());
+        let tiles = CloudTiles::new(&arranged.samples);
+        let mut values = vec![value(cloud.samples().len() as u32); receivers.len()];
+        let out = Scatter::new(&mut values);
+        let statistics = self.run_cloud(occluders, cloud, &tiles, &tiles, receivers, true, |receiver, _, lit| {
+            // SAFETY: every receiver is visited once, and its element is its own.
+            unsafe { out.part(receiver, 1) }.fill(value(lit));
+        })?;
+        Ok((values, statistics))
+    }
+
+    /// The masks, as `write` puts each of them over zeros.
+    fn stored<S: AsRef<[IVec3]>, T: SampleTest>(
+        &self,
+        occluders: &Occluders,
+        cloud: &Cloud<S>,
+        tiles: &CloudTiles<'_>,
+        test: &T,
+        receivers: &Receivers,
+        write: impl Fn(&CloudMask, &mut [u32]) + Sync,
+    ) -> Result<(CloudMasks, Statistics), ExecutorError> {
+        let width = cloud.words();
+        let too_many = ExecutorError::TooManyWords { receivers: receivers.len(), rows: width as u32 };
+        let count = receivers.len().checked_mul(width).ok_or_else(|| too_many.clone())?;
+        // The system's zero pages: those of receivers in full light are never touched.
+        let mut words = bytemuck::allocation::try_zeroed_vec::<u32>(count).map_err(|()| too_many)?;
+        let out = Scatter::new(&mut words);
+        let samples = cloud.samples().len() as u32;
+        let statistics = self.run_cloud(occluders, cloud, tiles, test, receivers, false, |receiver, mask, lit| {
+            if lit < samples {
+                // SAFETY: every receiver is visited once, and its part is its own.
+                write(mask, unsafe { out.part(receiver * width, width) });
+            }
+        })?;
+        Ok((CloudMasks { width, words }, statistics))
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "what is asked, of what, and who hears of it")]
+    fn run_cloud<S: AsRef<[IVec3]>, T: SampleTest>(
+        &self,
+        scene: &Occluders,
+        light: &Cloud<S>,
+        cloud: &CloudTiles<'_>,
+        test: &T,
+        receivers: &Receivers,
+        visibility: bool,
+        visit: impl Fn(usize, &CloudMask, u32) + Sync,
+    ) -> Result<Statistics, ExecutorError> {
+        let (isa, precision, points) = (self.isa(), self.precision, receivers.points());
+        let extent = extent(light, receivers);
+        let work = || {
+            let plan = cloud_plan(scene, receivers, extent, visibility);
+            CloudRun::new(CloudInput { plan: &plan, isa, precision, cloud, test, scene, points, extent }, &visit)
+                .finish()
+        };
+        match &self.pool {
+            Some(pool) => pool.install(work),
+            None => work(),
+        }
+    }
+}
+
+/// The box around a cloud and all receivers: nothing outside of it blocks anything.
+fn extent<S: AsRef<[IVec3]>>(cloud: &Cloud<S>, receivers: &Receivers) -> [IVec3; 2] {
+    let [low, high] = cloud.bounds();
+    if receivers.is_empty() {
+        return [low, high];
+    }
+    let of_receivers = around(receivers.points());
+    [low.min(of_receivers[0]), high.max(of_receivers[1])]
+}
+
+/// Where no triangle reaches into `extent` there is nothing to do for any receiver.
+fn cloud_plan(occluders: &Occluders, receivers: &Receivers, extent: [IVec3; 2], visibility: bool) -> Plan {
+    let ids = (0..occluders.triangles().len()).into_par_iter().with_min_len(PART);
+    let reached = ids.any(|id| occluders.corners(id).is_some_and(|corners| meet(box_of(corners), extent)));
+    Plan::new(SceneFacts {
+        triangles: occluders.triangles().len() as u32,
+        receivers: receivers.len() as u32,
+        visibility,
+        block: BLOCK,
+        index: IndexKind::Shafts,
+        arranged: occluders.arrangement().is_some(),
+        reached,
+        ..SceneFacts::default()
+    })
+}
