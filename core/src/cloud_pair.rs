@@ -149,7 +149,12 @@ impl Reach {
     /// The planes that may cut the samples of lane `lane < 16`.
     #[inline(always)]
     pub(crate) fn cuts_of(&self, lane: usize, mixed: bool) -> u32 {
-        let bit = |k: usize| (self.cuts[k] >> lane & 1) << k;
-        bit(0) | bit(1) | bit(2) | (mixed as u32) << OWN_PLANE
+        let mut cuts = (mixed as u32) << OWN_PLANE;
+        let mut k = 0;
+        while k < 3 {
+            cuts |= (self.cuts[k] >> lane & 1) << k;
+            k += 1;
+        }
+        cuts
     }
 }

@@ -169,9 +169,11 @@ impl<C: AsRef<[IVec3]>, S: AsRef<[u32]>> CloudTable<'_, C, S> {
             let place = (row * self.size.directions + column) as usize * distances + slot.min(distances - 1);
             self.entries.as_ref().get(place * words..(place + 1) * words)
         };
-        match entry {
-            Some(entry) => mask.iter_mut().zip(entry).for_each(|(word, entry)| *word &= entry),
-            None => *mask = CloudMask::default(),
+        let entry = entry.unwrap_or(&[]);
+        let mut k = 0;
+        while k < mask.len() {
+            mask[k] &= if k < entry.len() { entry[k] } else { 0 };
+            k += 1;
         }
     }
 }

@@ -30,7 +30,7 @@ pub enum VolumeLightError {
     /// A coordinate is NaN or infinite.
     #[error("{field} is {value}: not finite")]
     NotFinite {
-        /// "center", "axes[0]" to "axes[2]", "from" or "to".
+        /// "center", "from", "to", or one of the axes: `axes[0]` to `axes[2]`.
         field: &'static str,
         /// Its value.
         value: DVec3,
