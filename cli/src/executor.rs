@@ -1,6 +1,6 @@
 //! Where the work is done: on the processor, or on a GPU. The bits are the same.
 
-use umbra4_core::{Counts, LatticeLight, Plan, Punctual};
+use umbra4_core::{Counts, LatticeLight, Plan, Punctual, cloud::Cloud, glam::IVec3};
 use umbra4_cpu::{CpuExecutor, CpuWord, Occluders, Receivers};
 use umbra4_wgpu::{Choice, Gpu, LatticeScene, WgpuExecutor};
 
@@ -174,17 +174,25 @@ impl AnyExecutor {
         }
     }
 
-    /// Sums of the weights of the lit samples of every receiver; on the processor.
+    /// Sums of the weights of the lit samples of every receiver.
     ///
     /// # Errors
     /// The executor's.
     pub fn light(&self, scene: Scene<'_>, emission: &Weights) -> Result<(Vec<[u32; 3]>, Report), ProgramError> {
         let (occluders, light, receivers) = scene;
-        let (lit, statistics) = self.processor().light(occluders, light, receivers, emission)?;
-        Ok((lit, statistics.into()))
+        match self {
+            Self::Cpu(cpu) => {
+                let (lit, statistics) = cpu.light(occluders, light, receivers, emission)?;
+                Ok((lit, statistics.into()))
+            }
+            Self::Gpu(gpu, _) => {
+                let (lit, statistics) = gpu.light(&on_lattice(occluders), light, receivers.points(), emission)?;
+                Ok((lit, statistics.into()))
+            }
+        }
     }
 
-    /// Which receivers a light without extent reaches: 1 where it does, 0 where it is blocked; on the processor.
+    /// Which receivers a light without extent reaches: 1 where it does, 0 where it is blocked.
     ///
     /// # Errors
     /// The executor's.
@@ -194,9 +202,32 @@ impl AnyExecutor {
         light: &Punctual,
         receivers: &Receivers,
     ) -> Result<(Vec<f32>, Report), ProgramError> {
-        let (shadows, statistics) = self.processor().hard_shadows(occluders, light, receivers)?;
-        let lit = |receiver| if shadows.is_blocked(receiver) == Some(true) { 0.0 } else { 1.0 };
-        Ok(((0..receivers.len()).map(lit).collect(), statistics.into()))
+        let (words, report) = match self {
+            Self::Cpu(cpu) => {
+                let (shadows, statistics) = cpu.hard_shadows(occluders, light, receivers)?;
+                (shadows.words().to_vec(), statistics.into())
+            }
+            Self::Gpu(gpu, _) => {
+                let (words, statistics) = gpu.hard_shadows(&on_lattice(occluders), light, receivers.points())?;
+                (words, statistics.into())
+            }
+        };
+        let bits = words.iter().flat_map(|word| (0..u32::BITS).map(move |bit| word >> bit & 1));
+        Ok((bits.map(|blocked| 1.0 - blocked as f32).take(receivers.len()).collect(), report))
+    }
+
+    /// The fraction of a volume's samples that every receiver sees: on the processor.
+    ///
+    /// # Errors
+    /// The executor's.
+    pub fn cloud_visibility(
+        &self,
+        occluders: &Occluders,
+        cloud: &Cloud<Vec<IVec3>>,
+        receivers: &Receivers,
+    ) -> Result<(Vec<f32>, Report), ProgramError> {
+        let (visibility, statistics) = self.processor().cloud_visibility(occluders, cloud, receivers)?;
+        Ok((visibility, statistics.into()))
     }
 
     /// How many triangles block something from each receiver.

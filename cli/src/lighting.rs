@@ -36,6 +36,12 @@ fn of_light<'a>(
             report.add(&done);
             return Ok(Fractions::Plain(lit));
         }
+        Source::Volume(volume) => {
+            let cloud = light.snap_volume(volume, &scene.lattice)?;
+            let (lit, done) = executor.cloud_visibility(&scene.occluders, &cloud, &scene.receivers)?;
+            report.add(&done);
+            return Ok(Fractions::Plain(lit));
+        }
     };
     let snap = |side: &Side| light.snap_side(&side.area, &scene.lattice);
     let Some(emission) = &area.front().emission else {

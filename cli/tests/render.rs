@@ -41,8 +41,6 @@ fn lights_without_extent_cast_hard_shadows() {
         assert!(share(|v| v <= 0.0) > 0.05 && share(|v| v >= 1.0) > 0.15, "{name}");
         folder.succeed(&format!("render -o {name}.png {options}"));
         folder.fail(&format!("render -o out.png --view pairs {options}"), "--view pairs is for lights with an area");
-        folder
-            .fail(&format!("render -o out.png --executor gpu {options}"), "--executor gpu is for lights with an area");
     }
     folder.fail("render --builtin -o out.png --sun 0,0,0", "points nowhere");
     folder.fail("render --builtin -o out.png --lamp nan,0,0", "NaN");

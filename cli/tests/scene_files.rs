@@ -36,7 +36,7 @@ fn the_documented_example_renders() {
     let folder_again = Folder::new();
     assert_eq!(picture(&folder_again, example, "--precision fast").dimensions(), lit.dimensions());
     let table = folder.succeed("render scene.json -o v.png --size 48x48 --view visibility");
-    assert!(table.contains("5 lights"), "{table}");
+    assert!(table.contains("6 lights"), "{table}");
     folder.succeed("render scene.json -o n.png --size 48x48 --view penumbra --no-ground --fov 20 --threads 1");
 }
 
@@ -167,11 +167,48 @@ fn jitter_and_pairs_take_plain_rectangles_of_any_number() {
         (disk.as_str(), "light 1 'disk' (a rectangle of 8×8 samples, with weights)"),
     ] {
         folder.write("scene.json", scene(&[RECTANGLE, light]));
-        for option in ["--view pairs", "--jitter 2", "--executor gpu"] {
+        for option in ["--view pairs", "--jitter 2"] {
             let name = option.strip_suffix(" 2").unwrap_or(option);
             let message = format!("{name} is for lights with an area whose samples all emit the same, not for {words}");
             folder.fail(&format!("render scene.json -o out.png {option}"), &message);
         }
+    }
+}
+
+#[test]
+fn volumes_shine_to_all_sides() {
+    let folder = Folder::new();
+    let point = picture(&folder, &scene(&[r#""kind":"point","position":[1,4,1]"#]), "--view visibility");
+    let sphere = r#""kind":"sphere","center":[1,4,1],"radius":0.5"#;
+    let mut others = vec![point];
+    for light in [
+        sphere,
+        r#""kind":"sphere","center":[1,4,1],"radius":0.5,"samples":64"#,
+        r#""kind":"ellipsoid","center":[1,4,1],"axes":[[1,0,0],[0,0.2,0],[0,0,0.5]],"samples":128"#,
+        r#""kind":"tube","from":[0,4,1],"to":[2,4,1],"radius":0.1,"samples":300"#,
+        r#""kind":"cloud","points":[[1,4,1],[0,4,0],[2,4,1]]"#,
+    ] {
+        let other = picture(&folder, &scene(&[light]), "--view visibility");
+        assert!(!others.contains(&other), "{light}");
+        others.push(other);
+    }
+    // A cloud of one point is that point.
+    let one = picture(&folder, &scene(&[r#""kind":"cloud","points":[[1,4,1]]"#]), "--view visibility");
+    assert_eq!(one, others[0]);
+    folder.write("scene.json", scene(&[sphere]));
+    folder.fail(
+        "render scene.json -o out.png --executor gpu",
+        "--executor gpu is not for light 1 (a sphere of 256 samples)",
+    );
+    let plan = folder.succeed("info scene.json");
+    assert!(plan.contains("+ resolve_cloud") && plan.contains("- resolve "), "{plan}");
+    for (light, words) in [
+        (r#""kind":"sphere","center":[1,4,1],"radius":0"#, "light 1: radius is 0"),
+        (r#""kind":"sphere","center":[1,4,1],"radius":1e-12"#, "light 1: the light is too small for the lattice"),
+        (r#""kind":"tube","from":[1,4,1],"to":[1,4,1],"radius":1"#, "light 1: the tube begins and ends at"),
+    ] {
+        folder.write("scene.json", scene(&[light]));
+        folder.fail("render scene.json -o out.png", words);
     }
 }
 

@@ -2,7 +2,9 @@
 
 use umbra4_core::{
     LatticeLight, Punctual,
+    cloud::Cloud,
     emission::{Emission, Weight},
+    glam::IVec3,
 };
 
 use crate::{CpuExecutor, ExecutorError, Occluders, Receivers, Statistics, reduction::OfBack};
@@ -21,6 +23,8 @@ pub enum Source<'a> {
     },
     /// A light without extent.
     Punctual(Punctual),
+    /// A light with a volume.
+    Cloud(Cloud<&'a [IVec3]>),
 }
 
 /// The sides to which a light with an area shines.
@@ -36,6 +40,12 @@ pub enum Sides {
 impl From<LatticeLight> for Source<'_> {
     fn from(light: LatticeLight) -> Self {
         Self::Area { light, sides: Sides::Front, emission: None }
+    }
+}
+
+impl<'a> From<Cloud<&'a [IVec3]>> for Source<'a> {
+    fn from(light: Cloud<&'a [IVec3]>) -> Self {
+        Self::Cloud(light)
     }
 }
 
@@ -108,6 +118,10 @@ impl CpuExecutor {
         let (light, sides, emission) = match source {
             Source::Area { light, sides, emission } => (light, *sides, emission.as_ref()),
             Source::Punctual(light) => return self.punctual_source(occluders, light, receivers),
+            Source::Cloud(light) => {
+                let (fractions, statistics) = self.cloud_visibility(occluders, light, receivers)?;
+                return Ok((Lit::Fractions(fractions), statistics));
+            }
         };
         let back = (sides == Sides::Both).then(|| light.back());
         let sides = [Some(*light), back].map(|side| side.filter(|side| side.reaches(receivers.points())));

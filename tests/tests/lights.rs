@@ -2,13 +2,14 @@
 
 use umbra4_core::{
     Jitter, LatticeLight, Punctual,
+    cloud::Cloud,
     emission::{Emission, Weight},
     glam::IVec3,
 };
 use umbra4_cpu::{CpuExecutor, ExecutorError, Lit, Sides, Source, Statistics};
 use umbra4_tests::{
     hard_shadows,
-    oracle::oracle_masks,
+    oracle::{hit, oracle_masks},
     rng::Rng,
     scene::{Inputs, REACH},
     scenes::{EXPONENTS, GENERATORS, SampleGrid},
@@ -91,17 +92,20 @@ fn each_light_of_a_call_is_exact() {
             let weights: Vec<Weight> = weights(&mut rng, (rows * columns) as usize);
             let emission = Emission::new(rows, columns, &weights[..]).expect("weights are fine");
             let (light, lamp) = (inputs.light, Punctual::point(rng.point(REACH)).expect("inside"));
+            let cloud: Vec<IVec3> = (0..1 + rng.below(70)).map(|_| rng.point(REACH)).collect();
             let lights = [
                 light.into(),
                 lamp.into(),
                 Source::Area { light, sides: Sides::Both, emission: None },
                 Source::Area { light, sides: Sides::Front, emission: Some(emission) },
                 Source::Area { light, sides: Sides::Both, emission: Some(emission) },
+                Source::Cloud(Cloud::new(&cloud[..]).expect("inside")),
             ];
             let found = executor.lights(&inputs.occluders, &lights, &inputs.receivers).expect("nothing is refused");
             assert_eq!(found.len(), lights.len());
             let (front, both) = (seen(&inputs, Sides::Front), seen(&inputs, Sides::Both));
-            let blocked = hard_shadows::oracle(lamp, inputs.receivers.points(), &inputs.triangles());
+            let (points, triangles) = (inputs.receivers.points(), inputs.triangles());
+            let blocked = hard_shadows::oracle(lamp, points, &triangles);
             let of = |seen: &[bool]| seen.iter().filter(|seen| **seen).count() as f32 / seen.len() as f32;
             let sum = |seen: &[bool]| {
                 let lit = seen.iter().zip(&weights).filter(|(seen, _)| **seen);
@@ -112,6 +116,8 @@ fn each_light_of_a_call_is_exact() {
                 assert_eq!(fractions(&found[0].0)[r], of(&front[r]), "{what}");
                 assert_eq!(fractions(&found[1].0)[r], 1.0 - blocked[r] as f32, "{what}");
                 assert_eq!(fractions(&found[2].0)[r], of(&both[r]), "{what}");
+                let of_cloud = cloud.iter().map(|sample| !triangles.iter().any(|t| hit(points[r], *sample, *t)));
+                assert_eq!(fractions(&found[5].0)[r], of(&of_cloud.collect::<Vec<_>>()), "{what}");
                 for (lit, seen) in [(&found[3].0, &front[r]), (&found[4].0, &both[r])] {
                     assert!(matches!(lit, Lit::Weights(sums) if sums[r] == sum(seen)), "{what}");
                 }

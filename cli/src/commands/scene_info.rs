@@ -52,6 +52,10 @@ fn plans(light: &Light, executor: &AnyExecutor, scene: &OnLattice) -> Result<Vec
             };
             names.into_iter().zip(area.sides()).map(plan).collect()
         }
+        Source::Volume(volume) => {
+            let cloud = light.snap_volume(volume, &scene.lattice)?;
+            Ok(vec![("", CpuExecutor::new().cloud_plan(&scene.occluders, &cloud, &scene.receivers, true))])
+        }
         Source::Hard(hard) => {
             let snapped = light.snap_hard(hard, &scene.lattice)?;
             Ok(vec![("", CpuExecutor::new().plan_hard_shadows(&scene.occluders, &snapped, &scene.receivers))])

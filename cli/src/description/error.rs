@@ -47,6 +47,16 @@ pub enum DescriptionError {
     /// A polygon that has no inside.
     #[error("field `shape`: a polygon of {0} corners: 3 at least are called for")]
     Polygon(usize),
+    /// Samples of a volume.
+    #[error("field `{field}`: {count} samples, outside 1..={most}")]
+    Count {
+        /// Name of the field.
+        field: &'static str,
+        /// How many there are.
+        count: u64,
+        /// How many there may be.
+        most: u64,
+    },
     /// The picture of its samples.
     #[error("field `{field}`: {reason}")]
     Image {

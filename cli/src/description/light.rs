@@ -8,7 +8,7 @@ use umbra4_core::{
     glam::{DMat4, DVec3},
 };
 
-use super::{DescriptionError, Fields, power, rectangle};
+use super::{DescriptionError, Fields, power, rectangle, volume};
 use crate::light::{HardLight, InLight, Light, Source};
 
 /// Takes the fields of one kind of light. Returns where it shines from, and what it emits in the mean, red, green and
@@ -16,10 +16,14 @@ use crate::light::{HardLight, InLight, Light, Source};
 type Read = fn(&mut Fields, &Path) -> Result<(Source, DVec3), DescriptionError>;
 
 /// All kinds, by name.
-const KINDS: [(&str, Read); 3] = [
+const KINDS: [(&str, Read); 7] = [
     (RECTANGLE, rectangle::read),
     ("point", |fields, _| point(fields)),
     ("directional", |fields, _| directional(fields)),
+    ("sphere", |fields, _| volume::sphere(fields)),
+    ("ellipsoid", |fields, _| volume::ellipsoid(fields)),
+    ("tube", |fields, _| volume::tube(fields)),
+    ("cloud", |fields, _| volume::cloud(fields)),
 ];
 
 /// The one kind that nodes have.
@@ -118,6 +122,17 @@ mod tests {
         assert_eq!((point.label.as_str(), point.power), ("light 2 'bulb'", DVec3::new(2.0, 0.0, 1.0)));
         let sun = parse(r#"{"kind":"directional","towards":[0,1,0]}"#).unwrap();
         assert_eq!(sun.label, "light 2");
+        for (text, kind) in [
+            (r#"{"kind":"sphere","center":[0,1,0],"radius":0.5}"#, "a sphere of 256 samples"),
+            (
+                r#"{"kind":"ellipsoid","center":[0,1,0],"axes":[[1,0,0],[0,1,0],[0,0,2]],"samples":64}"#,
+                "an ellipsoid of 64 samples",
+            ),
+            (r#"{"kind":"tube","from":[0,1,0],"to":[1,1,0],"radius":0.1,"samples":1024}"#, "a tube of 1024 samples"),
+            (r#"{"kind":"cloud","points":[[0,1,0],[1,1,0]]}"#, "a cloud of 2 samples"),
+        ] {
+            assert_eq!(parse(text).unwrap().kind(), kind);
+        }
     }
 
     #[test]
@@ -126,7 +141,7 @@ mod tests {
             ("3", "light 2: not a light: invalid type: integer `3`, expected an object"),
             (r#"{"kind":"point","kind":"point"}"#, "light 2: not a light: field `kind` is there twice"),
             ("{}", "light 2: field `kind` is missing"),
-            (r#"{"kind":"moon"}"#, "field `kind` is 'moon': known here are rectangle, point, directional"),
+            (r#"{"kind":"moon"}"#, "field `kind` is 'moon': known here are rectangle, point, directional, sphere"),
             (r#"{"kind":"point","name":"a"}"#, "light 2 'a': field `position` is missing"),
             (r#"{"kind":"point","name":3}"#, "light 2: field `name`: invalid type"),
             (r#"{"kind":"point","position":[0,0,0],"size":3}"#, "field `size` is unknown"),
@@ -134,6 +149,13 @@ mod tests {
             (r#"{"kind":"point","position":[0,0,0],"color":[1,1,-1]}"#, "field `color[2]` is -1"),
             (r#"{"kind":"point","position":[0,0,0],"intensity":1e999}"#, "field `intensity`: number out of range"),
             (r#"{"kind":"directional","towards":[0,0,0]}"#, "points nowhere"),
+            (r#"{"kind":"sphere","center":[0,0,0]}"#, "field `radius` is missing"),
+            (
+                r#"{"kind":"sphere","center":[0,0,0],"radius":1,"samples":0}"#,
+                "field `samples`: 0 samples, outside 1..=1024",
+            ),
+            (r#"{"kind":"tube","from":[0,0,0],"to":[1,0,0],"radius":1,"samples":4000000000}"#, "4000000000 samples"),
+            (r#"{"kind":"cloud","points":[]}"#, "field `points`: 0 samples"),
             (r#"{"kind":"rectangle","corner":[0,1,0],"edge_u":[1,0,0]}"#, "field `edge_v` is missing"),
             (r#"{"kind":"rectangle","corner":[0,1,0],"edge_u":[1,0,0],"edge_v":[1,0,0]}"#, "no area"),
             (

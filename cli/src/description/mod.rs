@@ -7,6 +7,7 @@ mod light;
 mod power;
 mod rectangle;
 mod sample_image;
+mod volume;
 
 pub use error::{DescriptionError, Samples};
 pub use fields::{FieldError, Fields};

@@ -17,6 +17,8 @@ enum Form {
     Area { points: Vec<DVec3>, area: f64, normal: DVec3, center: DVec3, two_sided: bool },
     /// As it is.
     Hard(HardLight),
+    /// A few points that stand for the volume.
+    Volume(Vec<DVec3>),
 }
 
 impl Lamp {
@@ -25,6 +27,7 @@ impl Lamp {
         let form = match &light.source {
             Source::Area(source) => Form::of_area(source),
             Source::Hard(light) => Form::Hard(*light),
+            Source::Volume(volume) => Form::Volume(volume.stand_ins()),
         };
         Self { form }
     }
@@ -35,6 +38,10 @@ impl Lamp {
         let (points, area, own_normal, two_sided) = match &self.form {
             Form::Area { points, area, normal, two_sided, .. } => (points, *area, *normal, *two_sided),
             Form::Hard(light) => return light.irradiance(position, normal),
+            Form::Volume(points) => {
+                let of = |point: &DVec3| HardLight::Lamp(*point).irradiance(position, normal);
+                return points.iter().map(of).sum::<f64>() / points.len().max(1) as f64;
+            }
         };
         let from = |point: &DVec3| {
             let towards = point - position;
@@ -51,6 +58,7 @@ impl Lamp {
         let towards = match &self.form {
             Form::Area { center, .. } => *center - position,
             Form::Hard(light) => light.towards(position),
+            Form::Volume(points) => points.iter().sum::<DVec3>() / points.len().max(1) as f64 - position,
         };
         let towards = towards.normalize_or(DVec3::Y);
         self.irradiance(position, (towards + DVec3::Y).normalize_or(DVec3::Y))
@@ -81,8 +89,13 @@ impl Form {
 
 #[cfg(test)]
 mod tests {
+    use umbra4_core::SphereLight;
+
     use super::*;
-    use crate::light_file::LightShape;
+    use crate::{
+        light::{Volume, VolumeSource},
+        light_file::LightShape,
+    };
 
     fn square(two_sided: bool, edge: f64) -> Light {
         let half = -0.5 * edge;
@@ -97,6 +110,16 @@ mod tests {
         let (area, point) = (Lamp::new(&square(false, 0.1)), Lamp::new(&lamp));
         let at = |lamp: &Lamp| lamp.irradiance(DVec3::ZERO, DVec3::Y);
         assert!((at(&area) / at(&point) / 0.01 - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_volume_is_as_bright_as_a_point() {
+        let center = DVec3::new(0.0, 10.0, 0.0);
+        let volume = Volume::Sphere(SphereLight { center, radius: 0.5 });
+        let source = Source::Volume(VolumeSource { volume, samples: 64 });
+        let sphere = Light { label: "sphere".to_owned(), power: DVec3::ONE, source };
+        let at = |light: &Light| Lamp::new(light).irradiance(DVec3::X, DVec3::Y);
+        assert!((at(&sphere) / at(&Light::hard("lamp", HardLight::Lamp(center))) - 1.0).abs() < 0.01);
     }
 
     #[test]

@@ -4,6 +4,7 @@ mod area;
 mod hard;
 mod irradiance;
 mod snap;
+mod volume;
 
 use umbra4_core::{AreaLight, Bounds, glam::DVec3};
 
@@ -11,6 +12,7 @@ pub use area::{AreaError, AreaSource, Side, Weights};
 pub use hard::{Cone, ConeError, HardLight};
 pub use irradiance::Lamp;
 pub use snap::SnapLightError;
+pub use volume::{Volume, VolumeSource};
 
 /// A light, its power and what messages call it.
 #[derive(Clone, Debug)]
@@ -18,7 +20,7 @@ pub struct Light {
     /// What messages and tables call it.
     pub label: String,
     /// What it emits, red, green and blue, each at least 0: the mean radiance of an area, the intensity of a point, the
-    /// irradiance from a direction.
+    /// irradiance from a direction; of a volume, the intensity of a point that is as bright from afar.
     pub power: DVec3,
     /// Where it shines from.
     pub source: Source,
@@ -31,6 +33,8 @@ pub enum Source {
     Area(AreaSource),
     /// A point, or a direction.
     Hard(HardLight),
+    /// A volume.
+    Volume(VolumeSource),
 }
 
 /// An error, and the light that it is about.
@@ -67,6 +71,7 @@ impl Light {
         match &self.source {
             Source::Area(area) => Some(area.bounds()),
             Source::Hard(light) => light.bounds(),
+            Source::Volume(volume) => Some(volume.bounds()),
         }
     }
 
@@ -74,7 +79,7 @@ impl Light {
     pub fn plain_sides(&self) -> Option<Vec<AreaLight>> {
         match &self.source {
             Source::Area(area) => area.sides().map(|side| side.emission.is_none().then_some(side.area)).collect(),
-            Source::Hard(_) => None,
+            Source::Hard(_) | Source::Volume(_) => None,
         }
     }
 
@@ -83,6 +88,7 @@ impl Light {
         match &self.source {
             Source::Area(area) => area.kind(),
             Source::Hard(light) => light.kind().to_owned(),
+            Source::Volume(volume) => volume.kind(),
         }
     }
 }

@@ -4,11 +4,9 @@ use crate::{
     args::{ExecutorArg, RenderArgs, WorkArgs},
     error::ProgramError,
     executor::AnyExecutor,
-    light::Light,
+    light::{Light, Source},
     scene::Scene,
 };
-
-use super::asked;
 
 /// Samples each way of the light with an area, where none are asked for.
 const SAMPLES: u32 = 32;
@@ -33,15 +31,18 @@ pub fn lights_of(args: &RenderArgs, scene: &Scene) -> Result<Vec<Light>, Program
     Ok(vec![Light::plain(args.scene.light_option().unwrap_or("the light"), scene.light.sampled(samples)?)])
 }
 
-/// The executor that is asked for: GPUs take plain rectangles only.
+/// The executor that is asked for: GPUs take no lights with a volume.
 ///
 /// # Errors
-/// A GPU is asked for, and there is another light, or no GPU.
+/// A GPU is asked for, and there is such a light, or no GPU.
 pub fn executor_for(work: &WorkArgs, lights: &[Light]) -> Result<AnyExecutor, ProgramError> {
-    let plain = asked::plain("--executor gpu", lights);
-    let executor = match (work.executor, plain) {
-        (ExecutorArg::Gpu, Err(refused)) => return Err(refused),
-        (ExecutorArg::Auto, Err(_)) => ExecutorArg::Cpu,
+    let volume = lights.iter().find(|light| matches!(light.source, Source::Volume(_)));
+    let executor = match (work.executor, volume) {
+        (ExecutorArg::Gpu, Some(light)) => {
+            let light = format!("{} ({})", light.label, light.kind());
+            return Err(ProgramError::NoVolumes { option: "--executor gpu", light });
+        }
+        (ExecutorArg::Auto, Some(_)) => ExecutorArg::Cpu,
         (executor, _) => executor,
     };
     AnyExecutor::new(&WorkArgs { executor, ..work.clone() })
