@@ -128,10 +128,13 @@ impl<'a, C: AsRef<[IVec3]>, S: AsRef<[u32]> + AsMut<[u32]>> CloudTable<'a, C, S>
             }
         }
         let offsets = Offsets { base, at: [[0.0; TILE]; 3], limit };
-        let (words, distances) = (cloud.words(), size.distances as usize);
-        for (cell, of_direction) in entries.as_mut().chunks_exact_mut(distances * words).enumerate() {
-            let (row, column) = (cell as u32 / size.directions, cell as u32 % size.directions);
-            fill(cloud.samples(), base, radius, direction([row, column], size.directions), words, of_direction);
+        // None of them is 0, which has to be said here: nothing may panic.
+        let (words, cells) = (cloud.words().max(1), size.directions.max(1));
+        for (cell, of_direction) in
+            entries.as_mut().chunks_exact_mut((size.distances as usize * words).max(1)).enumerate()
+        {
+            let (row, column) = (cell as u32 / cells, cell as u32 % cells);
+            fill(cloud.samples(), base, radius, direction([row, column], cells), words, of_direction);
         }
         Ok(Self { cloud, size, entries, offsets, radius, full })
     }

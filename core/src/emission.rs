@@ -182,7 +182,7 @@ impl<S: AsRef<[Weight]>> Emission<S> {
     #[inline]
     fn lit_of<'a, W: MaskWord + 'a>(&self, rows: impl Iterator<Item = &'a W>) -> [u32; 3] {
         let (mut sum, all) = ([0; 3], W::below(self.columns));
-        for (row, weights) in rows.zip(self.weights.as_ref().chunks(self.columns as usize)) {
+        for (row, weights) in rows.zip(self.weights.as_ref().chunks(self.columns.max(1) as usize)) {
             let mut lit = all.without(*row);
             while lit != W::EMPTY {
                 let column = lit.lowest();

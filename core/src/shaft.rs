@@ -121,7 +121,7 @@ impl Shaft {
     /// Adds the tangent of a quadrant (0 is negative), where there is one.
     fn add(&mut self, axes: [usize; 2], quadrant: [usize; 2], receivers: [IVec3; 2], cloud: [IVec3; 2]) {
         let sign = quadrant.map(|high| if high == 1 { 1_i64 } else { -1 });
-        let corner = |of: &[IVec3; 2], k: usize| of[quadrant[k]].to_array()[axes[k]];
+        let corner = |of: &[IVec3; 2], k: usize| of[quadrant[k] % 2].to_array()[axes[k] % 3];
         let r = [corner(&receivers, 0), corner(&receivers, 1)];
         let d = [0, 1].map(|k| i64::from(corner(&cloud, k)) - i64::from(r[k]));
         if d[0].signum() * sign[0] * d[1].signum() * sign[1] >= 0 {
@@ -129,7 +129,7 @@ impl Shaft {
         }
         let normal = [sign[0] * d[1].abs(), sign[1] * d[0].abs()];
         let base = self.base.to_array();
-        let limit: i64 = (0..2).map(|k| normal[k] * (i64::from(r[k]) - i64::from(base[axes[k]]))).sum();
+        let limit: i64 = (0..2).map(|k| normal[k] * (i64::from(r[k]) - i64::from(base[axes[k] % 3]))).sum();
         if let Some(place) = self.tangents.get_mut(self.count) {
             *place = Tangent { axes, normal: normal.map(|n| n as f32), limit: (limit as f32).next_up() };
             self.count += 1;

@@ -16,6 +16,8 @@ mod gpu;
 mod host;
 #[cfg(not(feature = "with-panic"))]
 mod kernels;
+#[cfg(not(feature = "with-panic"))]
+mod lights;
 
 // memcpy and memset; on bare metal they come with Rust.
 #[cfg(target_os = "linux")]

@@ -1,0 +1,179 @@
+//! Lights of other kinds than rectangles: on the host, and as a GPU runs them.
+
+// A kernel's arguments are its bindings.
+#![allow(clippy::too_many_arguments)]
+
+use umbra4_core::{
+    AnyLight, DirectionalLight, EllipsoidLight, Exact, Fast, Lattice, LatticeLight, PointLight, Punctual,
+    PunctualLightError, TubeLight, VolumeLightError,
+    cloud::{Cloud, CloudError, CloudMask},
+    cloud_table::{CloudTable, TableError, TableSize},
+    cloud_tiles::CloudTiles,
+    emission::{Emission, EmissionError, Shape, Weight},
+    glam::{DVec3, IVec3},
+    kernel::{
+        key_receivers::key_receivers,
+        key_triangles::key_triangles,
+        order_triangles::order_triangles,
+        resolve::ReceiverCounts,
+        resolve_punctual::resolve_punctual_counted,
+        weigh::{PackedWeight, weigh},
+    },
+    lanes::Sixteen,
+    occluder::Occluder,
+    order::Entry,
+    params::{Params, PunctualParams},
+    proj4::{KeyTile, Keys},
+    punctual_frame::PunctualFrame,
+    shaft::{BoxTile, build_box_level},
+    stage::{
+        resolve_cloud::{CloudGroup, CloudScene, resolve_cloud},
+        resolve_punctual::{PunctualGroup, PunctualScene, resolve_punctual},
+    },
+    volume_light::snap_points,
+};
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_kernel_key_punctual_triangles(
+    id: usize,
+    params: &PunctualParams,
+    vertices: &[[i32; 3]],
+    triangles: &[[u32; 3]],
+    keys: &mut [Keys],
+    order: &mut [Entry],
+) {
+    key_triangles(id, params, vertices, triangles, keys, order);
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_kernel_key_punctual_receivers(
+    id: usize,
+    params: &PunctualParams,
+    receivers: &[[i32; 3]],
+    keys: &mut [Keys],
+    order: &mut [Entry],
+) {
+    key_receivers(id, params, receivers, keys, order);
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_kernel_order_punctual_triangles(
+    id: usize,
+    params: &PunctualParams,
+    vertices: &[[i32; 3]],
+    triangles: &[[u32; 3]],
+    keys: &[Keys],
+    order: &[Entry],
+    occluders: &mut [Occluder],
+    nodes: &mut [KeyTile],
+) {
+    order_triangles(id, params, vertices, triangles, keys, order, occluders, nodes);
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_kernel_resolve_punctual(
+    id: usize,
+    params: &PunctualParams,
+    receivers: &[[i32; 3]],
+    keys: &[Keys],
+    order: &[Entry],
+    occluders: &[Occluder],
+    nodes: &[KeyTile],
+    masks: &mut [u32],
+    counts: &mut [ReceiverCounts],
+) {
+    resolve_punctual_counted::<Exact>(id, params, receivers, keys, order, occluders, nodes, masks, counts);
+    resolve_punctual_counted::<Fast>(id, params, receivers, keys, order, occluders, nodes, masks, counts);
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_kernel_weigh(
+    id: usize,
+    params: &Params,
+    masks: &[u32],
+    weights: &[PackedWeight],
+    light: &mut [[u32; 3]],
+) {
+    weigh(id, params, masks, weights, light);
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_back(light: &LatticeLight, points: &[IVec3]) -> (AnyLight, IVec3, bool) {
+    (light.back().into(), light.back().sample(1, 2), light.reaches(points))
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_point_light(position: DVec3, lattice: &Lattice) -> Result<[Punctual; 2], PunctualLightError> {
+    Ok([PointLight { position }.snap(lattice)?, DirectionalLight { towards: position }.snap()?])
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_faces(light: &Punctual, p: IVec3, corners: &[IVec3; 3]) -> (Option<u32>, u32, PunctualFrame) {
+    (light.face_of(p), light.faces_of(corners), light.frame(2))
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_resolve_punctual(scene: &PunctualScene<'_>, group: &mut PunctualGroup) {
+    resolve_punctual::<Sixteen, Exact>(scene, group);
+    resolve_punctual::<f32, Fast>(scene, group);
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_emission(
+    rows: u32,
+    columns: u32,
+    room: &mut [Weight],
+    radiance: &[[f32; 3]],
+    shape: Shape<'_>,
+) -> Result<[f32; 3], EmissionError> {
+    let _ = Emission::shaped(rows, columns, &mut room[..], shape)?;
+    let emission = Emission::textured(rows, columns, room, radiance)?;
+    Ok(emission.fraction(emission.lit::<u32>(&[1, 2, 3])))
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_cloud(samples: &[IVec3]) -> Result<(usize, [IVec3; 2]), CloudError> {
+    let cloud = Cloud::new(samples)?;
+    Ok((cloud.words(), CloudTiles::new(cloud.samples()).bounds()))
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_volumes(
+    lattice: &Lattice,
+    points: &[DVec3],
+    room: &mut [IVec3],
+) -> Result<usize, VolumeLightError> {
+    let [center, a, b, c] = [DVec3::ONE, DVec3::X, DVec3::Y, DVec3::Z];
+    let words = EllipsoidLight { center, axes: [a, b, c] }.snap(lattice, &mut room[..])?.words();
+    let tube = TubeLight { from: a, to: b, radius: 1.0 }.snap(lattice, &mut room[..])?.words();
+    Ok(words + tube + snap_points(lattice, points, room)?.words())
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_box_level(id: usize, below: &[BoxTile]) -> BoxTile {
+    build_box_level(id, below)
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_resolve_cloud(scene: &CloudScene<'_, CloudTiles<'_>>, group: &mut CloudGroup) {
+    resolve_cloud::<Sixteen, Exact, _>(scene, group);
+    resolve_cloud::<f32, Fast, _>(scene, group);
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_resolve_cloud_by_table(
+    scene: &CloudScene<'_, CloudTable<'_, &[IVec3], &[u32]>>,
+    group: &mut CloudGroup,
+) {
+    resolve_cloud::<Sixteen, Fast, _>(scene, group);
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_cloud_table<'a>(
+    cloud: &'a Cloud<&'a [IVec3]>,
+    size: TableSize,
+    room: &'a mut [u32],
+) -> Result<CloudMask, TableError> {
+    let table = CloudTable::new(cloud, size, room)?;
+    Ok([table.size().distances; 32])
+}
