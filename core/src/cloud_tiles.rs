@@ -158,30 +158,67 @@ impl<'a> CloudTiles<'a> {
         facing.occluder(corners)
     }
 
-    /// Tiles whose boxes lie surely on the inner side of plane `k < N`, and those surely on the outer; bit t is tile t.
+    /// Tiles whose boxes may reach to the inner side of all planes in `cuts`, and those that surely lie there; bit t is tile t.
     #[inline(always)]
-    fn sure<L: Lanes, const N: usize>(&self, planes: &Planes<N>, k: usize) -> (u64, u64) {
-        let doubt = L::splat(Lanes::max(BOX_DOUBT * planes.doubt[k], f32::MIN_POSITIVE));
-        let normal = [planes.normals[0][k], planes.normals[1][k], planes.normals[2][k]];
-        let zero = L::splat(0.0);
-        let (mut inside, mut outside, mut tile) = (0, 0, 0);
+    fn reached<L: Lanes, const N: usize>(&self, planes: &Planes<N>, cuts: u32) -> (u64, u64) {
+        let (mut open, mut within, mut tile) = (0, 0, 0);
         while tile * TILE < self.samples.len() {
             let boxes = &self.boxes[tile / TILE % (TILES / TILE)];
             let mut first = 0;
             while first < TILE {
-                let (mut value, mut spread, mut axis) = (L::splat(planes.at_base[k]), zero, 0);
-                while axis < 3 {
-                    value = L::load(&boxes.middle[axis], first).mul_add(L::splat(-normal[axis]), value);
-                    spread = L::load(&boxes.half[axis], first).mul_add(L::splat(Lanes::abs(normal[axis])), spread);
-                    axis += 1;
+                let (mut least, mut most) = (L::splat(f32::MAX), L::splat(f32::MAX));
+                let mut k = 0;
+                while k < N {
+                    if cuts >> k & 1 == 1 {
+                        let (mut value, mut spread, mut axis) = (L::splat(planes.at_base[k]), L::splat(0.0), 0);
+                        while axis < 3 {
+                            let normal = planes.normals[axis][k];
+                            value = L::load(&boxes.middle[axis], first).mul_add(L::splat(-normal), value);
+                            let half = L::load(&boxes.half[axis], first);
+                            spread = half.mul_add(L::splat(Lanes::abs(normal)), spread);
+                            axis += 1;
+                        }
+                        let doubt = L::splat(BOX_DOUBT * planes.doubt[k]);
+                        most = most.min(value.add(spread).add(doubt));
+                        least = least.min(value.sub(spread).sub(doubt));
+                    }
+                    k += 1;
                 }
-                inside |= u64::from(L::bits(value.sub(spread).ge(doubt))) << (tile + first);
-                outside |= u64::from(L::bits(zero.sub(doubt).ge(value.add(spread)))) << (tile + first);
+                open |= u64::from(L::bits(most.ge(L::splat(0.0)))) << (tile + first);
+                within |= u64::from(L::bits(least.ge(L::splat(f32::MIN_POSITIVE)))) << (tile + first);
                 first += L::WIDTH;
             }
             tile += TILE;
         }
-        (inside, outside)
+        (open & tile_bits(self.samples.len()), within)
+    }
+
+    /// Samples of a tile that are surely, and those that may be, on the inner side of all planes in `cuts`. A sum of two
+    /// floats has the sign of the exact sum, so that it tells which is larger.
+    #[inline(always)]
+    fn inside<L: Lanes, const N: usize>(&self, planes: &Planes<N>, cuts: u32, tile: usize) -> (u32, u32) {
+        let at = &self.tiles[tile % TILES].at;
+        let (mut sure, mut possible, mut first) = (0, 0, 0);
+        while first < TILE {
+            let [x, y, z] = [L::load(&at[0], first), L::load(&at[1], first), L::load(&at[2], first)];
+            let (mut least, mut most) = (L::splat(f32::MAX), L::splat(f32::MAX));
+            let mut k = 0;
+            while k < N {
+                if cuts >> k & 1 == 1 {
+                    let value = x.mul_add(L::splat(-planes.normals[0][k]), L::splat(planes.at_base[k]));
+                    let value = y.mul_add(L::splat(-planes.normals[1][k]), value);
+                    let value = z.mul_add(L::splat(-planes.normals[2][k]), value);
+                    let doubt = L::splat(planes.doubt[k]);
+                    least = least.min(value.sub(doubt));
+                    most = most.min(value.add(doubt));
+                }
+                k += 1;
+            }
+            sure |= L::bits(least.ge(L::splat(f32::MIN_POSITIVE))) << first;
+            possible |= L::bits(most.ge(L::splat(0.0))) << first;
+            first += L::WIDTH;
+        }
+        (sure, possible)
     }
 
     /// Decides the samples in `unsure` of a tile. Out of line: few come here.
@@ -208,31 +245,22 @@ impl SampleTest for CloudTiles<'_> {
         fallbacks: &mut Tally,
     ) -> u32 {
         let planes = pair.planes::<L, P, N>(&self.tiles[0]);
-        let (mut open, mut inside_of, mut k) = (tile_bits(self.samples.len()), [0_u64; N], 0);
-        while k < N && open != 0 {
-            let (inside, outside) = if pair.cuts >> k & 1 == 1 { self.sure::<L, N>(&planes, k) } else { (u64::MAX, 0) };
-            inside_of[k] = inside;
-            open &= !outside;
-            k += 1;
-        }
+        let (mut open, within) = self.reached::<L, N>(&planes, pair.cuts);
         let mut found = 0;
         while open != 0 {
             let tile = open.trailing_zeros() as usize % TILES;
             open &= open - 1;
             let (word, shift) = (tile * TILE / WORD_BITS % MAX_CLOUD_WORDS, tile * TILE % WORD_BITS);
-            let (mut inside, mut unsure) = ((self.full[word] & !mask[word]) >> shift & 0xffff, 0);
-            let mut k = 0;
-            while k < N && inside != 0 {
-                if inside_of[k] >> tile & 1 == 0 {
-                    let (positive, near) = planes.signs::<L, P>(&self.tiles[tile], k);
-                    inside &= positive | near;
-                    unsure |= near;
+            let mut inside = (self.full[word] & !mask[word]) >> shift & 0xffff;
+            if within >> tile & 1 == 0 && inside != 0 {
+                let (sure, possible) = self.inside::<L, N>(&planes, pair.cuts, tile);
+                let unsure = inside & possible & !sure;
+                inside &= sure | possible;
+                if !P::CERTIFIED {
+                    inside &= sure;
+                } else if unsure != 0 {
+                    inside = self.settle(pair, tile, inside, unsure, fallbacks);
                 }
-                k += 1;
-            }
-            unsure &= inside;
-            if P::CERTIFIED && unsure != 0 {
-                inside = self.settle(pair, tile, inside, unsure, fallbacks);
             }
             found += inside.count_ones();
             mask[word] |= inside << shift;
