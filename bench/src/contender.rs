@@ -1,7 +1,7 @@
 //! The contenders: what they have in common, and how they are named.
 
 use thiserror::Error;
-use umbra4_core::{Counts, emission::EmissionError};
+use umbra4_core::{Counts, VolumeLightError, cloud_table::TableError, emission::EmissionError};
 use umbra4_cpu::{ExecutorError, Index, Precision, SceneError};
 
 use crate::{
@@ -49,6 +49,12 @@ pub enum ContenderError {
     /// There is no such emission.
     #[error(transparent)]
     Emission(#[from] EmissionError),
+    /// There is no such light.
+    #[error(transparent)]
+    Volume(#[from] VolumeLightError),
+    /// There is no such table.
+    #[error(transparent)]
+    Table(#[from] TableError),
     /// umbra4 refuses the occluders.
     #[error(transparent)]
     Scene(#[from] SceneError),

@@ -1,12 +1,14 @@
 //! The effects.
 
 use umbra4_core::{
-    Jitter, LatticeLight, Lift, Punctual,
+    Jitter, LatticeLight, Lift, Punctual, SphereLight, VolumeLightError,
+    cloud::Cloud,
+    cloud_table::{CloudTable, TableSize},
     emission::{Emission, Shape, WHOLE, Weight},
     glam::IVec3,
     snap::LIMIT,
 };
-use umbra4_cpu::{CpuExecutor, ExecutorError, Lit, Occluders, Sides, Source, Statistics};
+use umbra4_cpu::{CpuExecutor, Occluders, Sides, Source, Statistics};
 
 use crate::{
     compare::CompareError,
@@ -15,6 +17,9 @@ use crate::{
     scene::Scene,
 };
 
+/// Size of the paper's table.
+const TABLE: TableSize = TableSize { directions: 64, distances: 64 };
+
 /// What is run.
 pub(super) enum Effect {
     /// A light of one call.
@@ -22,6 +27,10 @@ pub(super) enum Effect {
     /// The plain light, and a mesh that was arranged.
     Arranged(Occluders, LatticeLight),
     Punctual(Punctual),
+    /// A volume, exactly.
+    Cloud(Cloud<Vec<IVec3>>),
+    /// The same by the paper's table.
+    Table(Cloud<Vec<IVec3>>, TableSize),
 }
 
 /// One line of the table.
@@ -63,6 +72,10 @@ pub(super) fn cases(scene: &Scene, problem: &Problem<'_>, occluders: &Occluders)
         columns,
         jitter: Jitter::NONE,
     };
+    // As wide as the rectangle.
+    let [corner, along_u, ..] = scene.light.corners();
+    let ball = SphereLight { center: scene.light.center(), radius: 0.5 * corner.distance(along_u) };
+    let sphere = |samples| ball.snap(&problem.lattice, vec![IVec3::ZERO; samples]).map_err(ContenderError::from);
     let case = |name, effect| Case { name, effect };
     let plain = |light| Effect::Light(light, Sides::Front, None);
     Ok(vec![
@@ -75,6 +88,10 @@ pub(super) fn cases(scene: &Scene, problem: &Problem<'_>, occluders: &Occluders)
         case("a mesh arranged before", Effect::Arranged(occluders.clone().arranged(), light)),
         case("a point", Effect::Punctual(Punctual::point(middle).ok_or_else(nowhere)?)),
         case("a direction", Effect::Punctual(Punctual::direction(towards).ok_or_else(nowhere)?)),
+        case("a sphere, 256 samples", Effect::Cloud(sphere(256)?)),
+        case("… by a table of 64²×64 planes", Effect::Table(sphere(256)?, TABLE)),
+        case("a sphere, 1024 samples", Effect::Cloud(sphere(1024)?)),
+        case("… by a table of 64²×64 planes", Effect::Table(sphere(1024)?, TABLE)),
     ])
 }
 
@@ -88,8 +105,13 @@ impl Effect {
         executor: &CpuExecutor,
         occluders: &Occluders,
         problem: &Problem<'_>,
-    ) -> Result<(Lit, Statistics), ExecutorError> {
+    ) -> Result<Statistics, ContenderError> {
         let (occluders, source) = match self {
+            Self::Table(cloud, size) => return by_table(executor, occluders, problem, cloud, *size),
+            Self::Cloud(cloud) => {
+                let cloud = Cloud::new(cloud.samples()).map_err(VolumeLightError::from)?;
+                (occluders, cloud.into())
+            }
             Self::Light(light, sides, emission) => {
                 let emission = emission.as_ref().map(Emission::by_reference);
                 (occluders, Source::Area { light: *light, sides: *sides, emission })
@@ -97,6 +119,19 @@ impl Effect {
             Self::Arranged(arranged, light) => (arranged, (*light).into()),
             Self::Punctual(light) => (occluders, (*light).into()),
         };
-        executor.light_of(occluders, &source, &problem.receivers)
+        Ok(executor.light_of(occluders, &source, &problem.receivers)?.1)
     }
+}
+
+/// By a table that is made anew, as where the light's shape changes.
+fn by_table(
+    executor: &CpuExecutor,
+    occluders: &Occluders,
+    problem: &Problem<'_>,
+    cloud: &Cloud<Vec<IVec3>>,
+    size: TableSize,
+) -> Result<Statistics, ContenderError> {
+    let room = vec![0; CloudTable::words_of(cloud, size)?];
+    let table = CloudTable::new(cloud, size, room)?;
+    Ok(executor.cloud_masks_by_table(occluders, &table, &problem.receivers)?.1)
 }

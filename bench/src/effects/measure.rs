@@ -56,7 +56,7 @@ pub(super) fn measure(name: &str, options: &Options<'_>) -> Result<Vec<Line>, Co
         .map(|(case, stages)| {
             let run = || {
                 let start = Instant::now();
-                let (_, statistics) = case.effect.run(&executor, &occluders, &problem)?;
+                let statistics = case.effect.run(&executor, &occluders, &problem)?;
                 let seconds = start.elapsed().as_secs_f64();
                 *stages.borrow_mut() = statistics.seconds_by_stage.iter().map(|(stage, _)| *stage).collect();
                 Ok(seconds)
