@@ -47,8 +47,9 @@ impl EffectsArgs {
             size: self.image.size,
             budget: Budget { seconds: self.seconds, repeat: self.repeat },
         };
-        let measured: Result<Vec<_>, _> = self.scene.iter().map(|scene| measure(scene, &options)).collect();
-        print!("{}", markdown(&self.scene, &measured?));
+        let measured: Vec<_> = self.scene.iter().map(|scene| measure(scene, &options)).collect::<Result<_, _>>()?;
+        let (lines, errors): (Vec<_>, Vec<_>) = measured.into_iter().map(|scene| (scene.lines, scene.errors)).unzip();
+        print!("{}{}", markdown(&self.scene, &lines), errors.concat());
         Ok(())
     }
 }

@@ -72,10 +72,7 @@ pub(super) fn cases(scene: &Scene, problem: &Problem<'_>, occluders: &Occluders)
         columns,
         jitter: Jitter::NONE,
     };
-    // As wide as the rectangle.
-    let [corner, along_u, ..] = scene.light.corners();
-    let ball = SphereLight { center: scene.light.center(), radius: 0.5 * corner.distance(along_u) };
-    let sphere = |samples| ball.snap(&problem.lattice, vec![IVec3::ZERO; samples]).map_err(ContenderError::from);
+    let sphere = |samples| sphere(scene, problem, samples);
     let case = |name, effect| Case { name, effect };
     let plain = |light| Effect::Light(light, Sides::Front, None);
     Ok(vec![
@@ -93,6 +90,20 @@ pub(super) fn cases(scene: &Scene, problem: &Problem<'_>, occluders: &Occluders)
         case("a sphere, 1024 samples", Effect::Cloud(sphere(1024)?)),
         case("… by a table of 64²×64 planes", Effect::Table(sphere(1024)?, TABLE)),
     ])
+}
+
+/// A ball in the light's place, as wide as the light.
+///
+/// # Errors
+/// Whatever umbra4 refuses.
+pub(super) fn sphere(
+    scene: &Scene,
+    problem: &Problem<'_>,
+    samples: usize,
+) -> Result<Cloud<Vec<IVec3>>, ContenderError> {
+    let [corner, along_u, ..] = scene.light.corners();
+    let ball = SphereLight { center: scene.light.center(), radius: 0.5 * corner.distance(along_u) };
+    Ok(ball.snap(&problem.lattice, vec![IVec3::ZERO; samples])?)
 }
 
 impl Effect {

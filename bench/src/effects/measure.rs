@@ -4,7 +4,10 @@ use std::{cell::RefCell, path::Path, time::Instant};
 
 use umbra4_cpu::CpuExecutor;
 
-use super::case::cases;
+use super::{
+    case::{cases, sphere},
+    table_error,
+};
 use crate::{
     compare::CompareError,
     contender::ContenderError,
@@ -38,11 +41,18 @@ pub(super) struct Line {
     pub(super) stages: Vec<&'static str>,
 }
 
+/// What was measured on a scene.
+pub(super) struct Measured {
+    pub(super) lines: Vec<Line>,
+    /// What the table of planes gets wrong, as Markdown.
+    pub(super) errors: String,
+}
+
 /// Measures the scene called `name`.
 ///
 /// # Errors
 /// An unknown scene; whatever umbra4 refuses.
-pub(super) fn measure(name: &str, options: &Options<'_>) -> Result<Vec<Line>, CompareError> {
+pub(super) fn measure(name: &str, options: &Options<'_>) -> Result<Measured, CompareError> {
     let scene = scene(name, options.scenes, options.samples, PAPER_LIGHT)?;
     let all = hits(&scene.model, &scene.camera, ImageSize::square(options.size));
     let problem = Problem::new(&scene, &all, &all)?;
@@ -70,5 +80,8 @@ pub(super) fn measure(name: &str, options: &Options<'_>) -> Result<Vec<Line>, Co
         seconds: time.seconds,
         stages: stages.borrow().clone(),
     });
-    Ok(lines.collect())
+    let lines = lines.collect();
+    let errors =
+        table_error::markdown(name, &executor, &occluders, &problem.receivers, &sphere(&scene, &problem, 256)?)?;
+    Ok(Measured { lines, errors })
 }

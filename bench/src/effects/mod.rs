@@ -4,5 +4,6 @@ mod args;
 mod case;
 mod measure;
 mod table;
+mod table_error;
 
 pub use args::EffectsArgs;
