@@ -140,7 +140,7 @@ mod tests {
     fn mutilated_files_never_panic() {
         let page = include_str!("../../docs/scene-files.md");
         let example = page.split("```json").nth(1).and_then(|rest| rest.split("```").next()).unwrap().as_bytes();
-        assert_eq!(parse(example, Path::new("folder")).unwrap().lights.len(), 5);
+        assert_eq!(parse(example, Path::new("folder")).unwrap().lights.len(), 6);
         for position in 0..example.len() {
             assert!(position + 2 > example.len() || parse(&example[..position], Path::new("folder")).is_err());
             for byte in [0, b'9', b'-', b'"', b'}', b',', 0xff] {

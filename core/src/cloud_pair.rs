@@ -14,7 +14,7 @@
 //!
 //! Samples lie no farther than r from m, too, which says more of a sphere: n·(s − p) has the sign of `v = n·(m − p)` where
 //! `|v| > |n|·r`. Of `|v| − 12ε·P`, which is no larger than the true |v| less the four ε of the normal, the square is compared with
-//! that of `|n|·r`, in which another seven roundoffs are covered by a factor of `1 + 16ε`. So that no square overflows,
+//! that of `|n|·r`, in which another ten roundoffs are covered by a factor of `1 + 16ε`. So that no square overflows,
 //! all is multiplied by 2^-60, exactly: v² stays below 2^67, and |n|², unless it is zero, above 2^-121.
 
 use glam::IVec3;

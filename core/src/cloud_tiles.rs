@@ -122,7 +122,7 @@ impl<'a> CloudTiles<'a> {
         self.tiles[0].base
     }
 
-    /// The half extents of the samples' box. (Up to the roundoff of the conversion, which error bounds count.)
+    /// The half extents of the samples' box, rounded to the nearest float: whoever compares with them has to count that.
     #[inline(always)]
     pub(crate) fn half(&self) -> Vec3 {
         self.tiles[0].limit
@@ -142,7 +142,9 @@ impl<'a> CloudTiles<'a> {
         let (e, f, d) = (b - a, c - a, center - a);
         let normal = <f64 as Real>::cross(e, f);
         let at = <f64 as Real>::dot(&normal, d);
-        let spread = DVec3::from_array(normal).abs().dot(half.as_dvec3());
+        // From the integers: a half extent that is rounded down would leave samples beyond it.
+        let exact_half = (self.high - center).max(center - self.low).as_dvec3();
+        let spread = DVec3::from_array(normal).abs().dot(exact_half);
         // Twice the error of the terms: for their sum, and for the bound's own arithmetic.
         let size = cross_magnitudes(float(e), float(f)).dot(float(d).abs() + half);
         let doubt = f64::from(2.0 * <f64 as Real>::SIDE_ERROR * size);

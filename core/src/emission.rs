@@ -173,7 +173,8 @@ impl<S: AsRef<[Weight]>> Emission<S> {
         self.lit_of(rows.iter())
     }
 
-    /// The same from a mask of [`LatticeLight::back`](crate::LatticeLight::back), whose rows come in reverse order.
+    /// The same from a mask of [`LatticeLight::back`](crate::LatticeLight::back), whose rows come in reverse order: `rows` holds all
+    /// of them.
     #[inline]
     pub fn lit_of_back<W: MaskWord>(&self, rows: &[W]) -> [u32; 3] {
         self.lit_of(rows.iter().rev())

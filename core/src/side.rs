@@ -6,7 +6,9 @@
 //! # Error bound
 //! The first term has six roundoffs of its own type at most (conversion, product and difference of the normal; product
 //! and two sums), relative to the sum over absolute values, and one when it is rounded to f32; the second a conversion,
-//! a rounding of the normal, a product and two sums; their difference one more. The constants hold one to spare. The
+//! a rounding of the normal, a product and two sums; their difference one more. (The first term enters the first of three sums. Where the sign is in doubt the partial
+//! sums are no larger than what is still to come, so that its roundoffs are those of the second.) The constants hold one to
+//! spare. The
 //! normal's own error counts in both terms: it is relative to its magnitudes, which a sliver's normal is far below. So
 //! those are multiplied with `|a − b| + |p − b|`.
 

@@ -118,6 +118,7 @@ impl CpuExecutor {
         let (light, sides, emission) = match source {
             Source::Area { light, sides, emission } => (light, *sides, emission.as_ref()),
             Source::Punctual(light) => return self.punctual_source(occluders, light, receivers),
+            Source::Cloud(_) if receivers.is_empty() => return Ok((Lit::Nowhere, Statistics::default())),
             Source::Cloud(light) => {
                 let (fractions, statistics) = self.cloud_visibility(occluders, light, receivers)?;
                 return Ok((Lit::Fractions(fractions), statistics));

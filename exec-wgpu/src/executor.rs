@@ -85,7 +85,8 @@ impl WgpuExecutor {
         self
     }
 
-    /// Works on at most `receivers` receivers at once, at least on one: bounds the memory on the device.
+    /// Works on at most `receivers` receivers at once, at least on one: bounds the memory on the device. (The masks of a light
+    /// without extent, a word each, are those of all receivers nevertheless, as are the counts, if there are any.)
     #[must_use]
     pub fn with_block(mut self, receivers: u32) -> Self {
         self.block = receivers.max(1);

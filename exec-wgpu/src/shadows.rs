@@ -228,27 +228,19 @@ impl SoftShadows {
     ) -> Result<Option<Snapped>, GpuError> {
         self.recorder.set_stage(Stage::SnapVertices);
         self.recorder.clear(&self.status, 0);
-        let mut first = true;
+        let planned: Vec<(MaskLayout, SceneFacts)> =
+            checked.lights.iter().enumerate().map(|(k, own)| self.plan(frame, checked, own, k == 0)).collect();
+        // All grow before any is used: what says that a thread was stopped is of the whole frame.
+        for (layout, facts) in &planned {
+            self.fit(facts, layout, checked)?;
+        }
         let mut snapped = None;
-        for own in &checked.lights {
+        for (k, (own, (layout, facts))) in checked.lights.iter().zip(planned).enumerate() {
             let light = &frame.lights[own.index];
-            let layout = own.layout(self.precision, self.slice);
-            let facts = SceneFacts {
-                new_vertices: if first { checked.vertices } else { 0 },
-                triangles: checked.triangles,
-                receivers: checked.receivers,
-                world_receivers: first,
-                visibility: light.visibility.is_some(),
-                block: block(&layout, BLOCK),
-                jittered: matches!(own.light, AnyLight::Area(light) if light.jitter.is_some()),
-                punctual: matches!(own.light, AnyLight::Punctual(_)),
-                ..SceneFacts::default()
-            };
-            let buffers = Buffers::fit(&mut self.scratch, &self.device, &Plan::new(facts), &layout, checked.vertices)?;
-            if first {
+            let buffers = self.fit(&facts, &layout, checked)?;
+            if k == 0 {
                 self.recorder.clear(&buffers.masks, buffers.stopped());
             }
-            first = false;
             let pixels = match checked.thinned {
                 true => Some(self.scratch.fit::<[i32; 3]>(&self.device, "pixels", u64::from(checked.pixels))?),
                 false => None,
@@ -278,6 +270,27 @@ impl SoftShadows {
             snapped = Some(checked.snapped(&buffers));
         }
         Ok(snapped)
+    }
+
+    /// How a light is resolved, and what has to run for it; the first brings the frame to the lattice.
+    fn plan(&self, frame: &Frame<'_>, checked: &Checked, own: &CheckedLight, first: bool) -> (MaskLayout, SceneFacts) {
+        let layout = own.layout(self.precision, self.slice);
+        let facts = SceneFacts {
+            new_vertices: if first { checked.vertices } else { 0 },
+            triangles: checked.triangles,
+            receivers: checked.receivers,
+            world_receivers: first,
+            visibility: frame.lights[own.index].visibility.is_some(),
+            block: block(&layout, BLOCK),
+            jittered: matches!(own.light, AnyLight::Area(light) if light.jitter.is_some()),
+            punctual: matches!(own.light, AnyLight::Punctual(_)),
+            ..SceneFacts::default()
+        };
+        (layout, facts)
+    }
+
+    fn fit(&mut self, facts: &SceneFacts, layout: &MaskLayout, checked: &Checked) -> Result<Buffers, GpuError> {
+        Buffers::fit(&mut self.scratch, &self.device, &Plan::new(*facts), layout, checked.vertices)
     }
 
     /// Lit counts of all pixels from those of the blocks that have a receiver.

@@ -194,6 +194,40 @@ fn every_bit_is_the_oracle_s() {
 }
 
 /// One sample is a point light.
+/// Planes that pass just inside, through and beyond the outermost sample of a large light, whose extent no float holds.
+#[test]
+fn planes_beside_the_outermost_sample() {
+    let executors = executors();
+    let mut rng = Rng::named(0, "outermost sample");
+    let (mut blocked, mut clear) = (0, 0);
+    for round in 0..600 {
+        let axis = rng.below(3);
+        let half = (1 << (24 + rng.below(4))) + 2 * rng.below(1 << 20) as i32 + 1;
+        let turned = |along: i32, u: i32, v: i32| {
+            let mut p = [0; 3];
+            (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (along, u, v);
+            IVec3::from_array(p)
+        };
+        let samples = [turned(half, 0, 0), turned(-half, 0, 0)];
+        let plane = half - rng.around(16);
+        let size = 50 + rng.below(1 << 12) as i32;
+        let triangle = [turned(plane, -size, -size), turned(plane, size, -size), turned(plane, 0, 2 * size)];
+        let receivers = vec![turned(plane + 100, 0, 0), turned(plane + 1, 1, -1), turned(half + 40, 3, 5)];
+        let mesh = Mesh { vertices: triangle.to_vec(), triangles: vec![[0, 1, 2]] };
+        let light = GENERATORS[0].1(&mut Rng::named(0, "a light"), SampleGrid::regular(1, 1)).light;
+        let inputs = Scene { light, receivers, mesh }.inputs(0);
+        let expected = oracle(&samples, inputs.receivers.points(), &inputs.triangles());
+        let cloud = Cloud::new(&samples[..]).expect("samples are inside");
+        for executor in &executors {
+            check(executor, &inputs, &cloud, &expected)
+                .unwrap_or_else(|error| panic!("case {round}, {samples:?}, {triangle:?}, {}: {error}", executor.isa()));
+        }
+        blocked += expected.iter().filter(|mask| **mask & 1 == 1).count();
+        clear += expected.iter().filter(|mask| **mask & 1 == 0).count();
+    }
+    assert!(blocked > 100 && clear > 100, "{blocked} blocked, {clear} not");
+}
+
 #[test]
 fn one_sample_is_a_point() {
     let (executor, mut blocked, mut bits) = (CpuExecutor::new(), 0, 0);

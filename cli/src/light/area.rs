@@ -95,8 +95,8 @@ impl AreaSource {
     }
 }
 
-/// The back of an area: with its edges exchanged, rows become columns, and every sample stays where it is, with its
-/// weight.
+/// The back of an area: with its edges exchanged, rows become columns, and every sample keeps its weight. It is a light of its
+/// own, not the library's `LatticeLight::back`, since each side is lifted off the area, so that a lamp may be drawn there.
 fn back_of(shape: &LightShape, [rows, columns]: [u32; 2], emission: Option<&Weights>) -> Result<Side, AreaError> {
     let area = shape.exchanged().grid(columns, rows)?;
     let transposed = |front: &Weights| {
