@@ -198,14 +198,14 @@ fn volumes_shine_to_all_sides() {
     folder.write("scene.json", scene(&[sphere]));
     folder.fail(
         "render scene.json -o out.png --executor gpu",
-        "--executor gpu is not for light 1 (a sphere of 256 samples)",
+        "--executor gpu is not for light 0 (a sphere of 256 samples)",
     );
     let plan = folder.succeed("info scene.json");
     assert!(plan.contains("+ resolve_cloud") && plan.contains("- resolve "), "{plan}");
     for (light, words) in [
-        (r#""kind":"sphere","center":[1,4,1],"radius":0"#, "light 1: radius is 0"),
-        (r#""kind":"sphere","center":[1,4,1],"radius":1e-12"#, "light 1: the light is too small for the lattice"),
-        (r#""kind":"tube","from":[1,4,1],"to":[1,4,1],"radius":1"#, "light 1: the tube begins and ends at"),
+        (r#""kind":"sphere","center":[1,4,1],"radius":0"#, "light 0: radius is 0"),
+        (r#""kind":"sphere","center":[1,4,1],"radius":1e-12"#, "light 0: the light is too small for the lattice"),
+        (r#""kind":"tube","from":[1,4,1],"to":[1,4,1],"radius":1"#, "light 0: the tube begins and ends at"),
     ] {
         folder.write("scene.json", scene(&[light]));
         folder.fail("render scene.json -o out.png", words);
