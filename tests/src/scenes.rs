@@ -33,8 +33,9 @@ impl SampleGrid {
     /// Some pattern of jittered samples.
     #[must_use]
     pub fn jittered(self, rng: &mut Rng) -> Self {
-        let jitter = Jitter::pattern(rng.next_u64() as u32 >> rng.below(32));
-        Self { jitter: if rng.one_in(4) { jitter.reversed() } else { jitter }, ..self }
+        let number = rng.next_u64() as u32 >> rng.below(32);
+        let jitter = Jitter::pattern(number);
+        Self { jitter: if number % 4 == 3 { jitter.reversed() } else { jitter }, ..self }
     }
 
     /// The shortest step, lattice units.
