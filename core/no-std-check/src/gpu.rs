@@ -19,15 +19,17 @@ use umbra4_core::{
         probe::probe,
         reduce::reduce,
         resolve::{DeviceWord, ReceiverCounts, resolve_counted},
+        resolve_punctual::resolve_punctual_counted,
         snap_receivers::{snap_depth, snap_position, upwards, upwards_of},
         snap_vertices::{snap_instances, snap_vertices},
         sort::{count_digits, scan_blocks, scatter_digits, sum_blocks},
         triangles::{index_triangles, number_triangles},
+        weigh::{PackedWeight, weigh},
     },
     mesh::MeshParams,
     occluder::Occluder,
     order::Entry,
-    params::{JitteredParams, Params},
+    params::{JitteredParams, Params, PunctualParams},
     plan::{Pass, Plan},
     proj4::{KeyTile, Keys},
     surface::Upwards,
@@ -97,6 +99,7 @@ check! { of Params:
         (receivers: &[[i32; 3]], keys: &[Keys], order: &[Entry], occluders: &[Occluder], nodes: &[KeyTile],
         masks: &mut [u32], counts: &mut [ReceiverCounts]);
     check_kernel_reduce = reduce, (masks: &[u32], lit: &mut [u32]);
+    check_kernel_weigh = weigh, (masks: &[u32], weights: &[PackedWeight], light: &mut [[u32; 3]]);
     check_kernel_pack = pack, (lit: &[u32], table: &[u32], image: &mut [u32]);
     check_kernel_accumulate = accumulate, (lit: &[u32], sums: &mut [u32], image: &mut [u32]);
     check_kernel_probe = probe, (words: &[[u32; 8]], out: &mut [[u32; 8]]);
@@ -107,6 +110,22 @@ check! { of JitteredParams:
         (receivers: &[[i32; 3]], keys: &[Keys], order: &[Entry], occluders: &[Occluder], nodes: &[KeyTile],
         masks: &mut [u32], counts: &mut [ReceiverCounts]);
     check_kernel_resolve_64_jittered = resolve_jittered::<PairWord, Fast>,
+        (receivers: &[[i32; 3]], keys: &[Keys], order: &[Entry], occluders: &[Occluder], nodes: &[KeyTile],
+        masks: &mut [u32], counts: &mut [ReceiverCounts]);
+}
+
+check! { of PunctualParams:
+    check_kernel_key_punctual_triangles = key_triangles,
+        (vertices: &[[i32; 3]], triangles: &[[u32; 3]], keys: &mut [Keys], order: &mut [Entry]);
+    check_kernel_key_punctual_receivers = key_receivers,
+        (receivers: &[[i32; 3]], keys: &mut [Keys], order: &mut [Entry]);
+    check_kernel_order_punctual_triangles = order_triangles,
+        (vertices: &[[i32; 3]], triangles: &[[u32; 3]], keys: &[Keys], order: &[Entry], occluders: &mut [Occluder],
+        nodes: &mut [KeyTile]);
+    check_kernel_resolve_punctual_exact = resolve_punctual_counted::<Exact>,
+        (receivers: &[[i32; 3]], keys: &[Keys], order: &[Entry], occluders: &[Occluder], nodes: &[KeyTile],
+        masks: &mut [u32], counts: &mut [ReceiverCounts]);
+    check_kernel_resolve_punctual_fast = resolve_punctual_counted::<Fast>,
         (receivers: &[[i32; 3]], keys: &[Keys], order: &[Entry], occluders: &[Occluder], nodes: &[KeyTile],
         masks: &mut [u32], counts: &mut [ReceiverCounts]);
 }

@@ -1,7 +1,4 @@
-//! Lights of other kinds than rectangles: on the host, and as a GPU runs them.
-
-// A kernel's arguments are its bindings.
-#![allow(clippy::too_many_arguments)]
+//! Lights of other kinds than rectangles, on the host.
 
 use umbra4_core::{
     AnyLight, DirectionalLight, EllipsoidLight, Exact, Fast, Lattice, LatticeLight, PointLight, Punctual,
@@ -11,19 +8,7 @@ use umbra4_core::{
     cloud_tiles::CloudTiles,
     emission::{Emission, EmissionError, Shape, Weight},
     glam::{DVec3, IVec3},
-    kernel::{
-        key_receivers::key_receivers,
-        key_triangles::key_triangles,
-        order_triangles::order_triangles,
-        resolve::ReceiverCounts,
-        resolve_punctual::resolve_punctual_counted,
-        weigh::{PackedWeight, weigh},
-    },
     lanes::Sixteen,
-    occluder::Occluder,
-    order::Entry,
-    params::{Params, PunctualParams},
-    proj4::{KeyTile, Keys},
     punctual_frame::PunctualFrame,
     shaft::{BoxTile, build_box_level},
     stage::{
@@ -32,70 +17,6 @@ use umbra4_core::{
     },
     volume_light::snap_points,
 };
-
-#[unsafe(no_mangle)]
-pub extern "C" fn check_kernel_key_punctual_triangles(
-    id: usize,
-    params: &PunctualParams,
-    vertices: &[[i32; 3]],
-    triangles: &[[u32; 3]],
-    keys: &mut [Keys],
-    order: &mut [Entry],
-) {
-    key_triangles(id, params, vertices, triangles, keys, order);
-}
-
-#[unsafe(no_mangle)]
-pub extern "C" fn check_kernel_key_punctual_receivers(
-    id: usize,
-    params: &PunctualParams,
-    receivers: &[[i32; 3]],
-    keys: &mut [Keys],
-    order: &mut [Entry],
-) {
-    key_receivers(id, params, receivers, keys, order);
-}
-
-#[unsafe(no_mangle)]
-pub extern "C" fn check_kernel_order_punctual_triangles(
-    id: usize,
-    params: &PunctualParams,
-    vertices: &[[i32; 3]],
-    triangles: &[[u32; 3]],
-    keys: &[Keys],
-    order: &[Entry],
-    occluders: &mut [Occluder],
-    nodes: &mut [KeyTile],
-) {
-    order_triangles(id, params, vertices, triangles, keys, order, occluders, nodes);
-}
-
-#[unsafe(no_mangle)]
-pub extern "C" fn check_kernel_resolve_punctual(
-    id: usize,
-    params: &PunctualParams,
-    receivers: &[[i32; 3]],
-    keys: &[Keys],
-    order: &[Entry],
-    occluders: &[Occluder],
-    nodes: &[KeyTile],
-    masks: &mut [u32],
-    counts: &mut [ReceiverCounts],
-) {
-    resolve_punctual_counted::<Exact>(id, params, receivers, keys, order, occluders, nodes, masks, counts);
-    resolve_punctual_counted::<Fast>(id, params, receivers, keys, order, occluders, nodes, masks, counts);
-}
-
-#[unsafe(no_mangle)]
-pub extern "C" fn check_kernel_weigh(
-    id: usize,
-    params: &Params,
-    masks: &[u32],
-    weights: &[PackedWeight],
-    light: &mut [[u32; 3]],
-) {
-    weigh(id, params, masks, weights, light);
-}
 
 #[unsafe(no_mangle)]
 pub extern "C" fn check_back(light: &LatticeLight, points: &[IVec3]) -> (AnyLight, IVec3, bool) {
