@@ -1,0 +1,1 @@
+//! Micro-occluders made of one shadow map.

@@ -1,0 +1,1 @@
+//! Shadow maps whose texels look from random places of the light.
