@@ -76,14 +76,29 @@ pub enum TableError {
 #[derive(Clone, Debug)]
 pub struct CloudTable<'a, C, S> {
     cloud: &'a Cloud<C>,
-    size: TableSize,
+    layout: Layout,
     /// Entry by entry: `((row · directions) + column) · distances + distance`, each of the cloud's words.
     entries: S,
+}
+
+/// What a table's entries stand for.
+#[derive(Clone, Debug)]
+struct Layout {
+    size: TableSize,
+    /// Words of an entry.
+    words: usize,
     /// Planes are placed from its base.
     offsets: Offsets,
     /// No sample lies farther from the base.
     radius: f32,
     full: CloudMask,
+}
+
+/// A table as kernels take it, whatever holds its entries.
+#[derive(Clone, Copy, Debug)]
+pub struct PlaneTable<'a> {
+    layout: &'a Layout,
+    entries: &'a [u32],
 }
 
 impl<C: AsRef<[IVec3]>> CloudTable<'_, C, &[u32]> {
@@ -136,7 +151,7 @@ impl<'a, C: AsRef<[IVec3]>, S: AsRef<[u32]> + AsMut<[u32]>> CloudTable<'a, C, S>
             let (row, column) = (cell as u32 / cells, cell as u32 % cells);
             fill(cloud.samples(), base, radius, direction([row, column], cells), words, of_direction);
         }
-        Ok(Self { cloud, size, entries, offsets, radius, full })
+        Ok(Self { cloud, layout: Layout { size, words, offsets, radius, full }, entries })
     }
 }
 
@@ -148,29 +163,34 @@ impl<'a, C, S: AsRef<[u32]>> CloudTable<'a, C, S> {
 
     /// How finely planes are told apart.
     pub fn size(&self) -> TableSize {
-        self.size
+        self.layout.size
+    }
+
+    /// The planes, for lookups.
+    pub fn planes(&self) -> PlaneTable<'_> {
+        PlaneTable { layout: &self.layout, entries: self.entries.as_ref() }
     }
 }
 
-impl<C: AsRef<[IVec3]>, S: AsRef<[u32]>> CloudTable<'_, C, S> {
+impl PlaneTable<'_> {
     /// ANDs the samples `x` with `outward·(x − base) ≤ at_base`, roughly, to a mask.
     #[inline(always)]
     fn cut(&self, outward: Vec3, at_base: f32, mask: &mut CloudMask) {
+        let Layout { size, words, radius, .. } = *self.layout;
         let length = outward.length();
         // A plane without a direction has nothing on its inner side.
-        let distance = if length > 0.0 { -at_base / (length * self.radius) } else { 1.0 };
+        let distance = if length > 0.0 { -at_base / (length * radius) } else { 1.0 };
         if distance <= -1.0 {
             return;
         }
-        let words = self.cloud.words();
         let entry = if distance >= 1.0 {
             None
         } else {
-            let [row, column] = cell(-outward, self.size.directions);
-            let distances = self.size.distances as usize;
+            let [row, column] = cell(-outward, size.directions);
+            let distances = size.distances as usize;
             let slot = ((0.5 * distance + 0.5) * distances as f32) as usize;
-            let place = (row * self.size.directions + column) as usize * distances + slot.min(distances - 1);
-            self.entries.as_ref().get(place * words..(place + 1) * words)
+            let place = (row * size.directions + column) as usize * distances + slot.min(distances - 1);
+            self.entries.get(place * words..(place + 1) * words)
         };
         let entry = entry.unwrap_or(&[]);
         let mut k = 0;
@@ -228,7 +248,7 @@ fn cell(v: Vec3, cells: u32) -> [u32; 2] {
     [place(folded(v.y, v.x)), place(folded(v.x, v.y))]
 }
 
-impl<C: AsRef<[IVec3]> + Sync, S: AsRef<[u32]> + Sync> SampleTest for CloudTable<'_, C, S> {
+impl SampleTest for PlaneTable<'_> {
     #[inline(always)]
     fn mark<L: Lanes, P: PrecisionMode, const N: usize>(
         &self,
@@ -236,8 +256,8 @@ impl<C: AsRef<[IVec3]> + Sync, S: AsRef<[u32]> + Sync> SampleTest for CloudTable
         mask: &mut CloudMask,
         _: &mut Tally,
     ) -> u32 {
-        let planes = pair.planes::<L, P, N>(&self.offsets);
-        let (mut blocked, mut k) = (self.full, 0);
+        let planes = pair.planes::<L, P, N>(&self.layout.offsets);
+        let (mut blocked, mut k) = (self.layout.full, 0);
         while k < N {
             if pair.cuts >> k & 1 == 1 {
                 let outward = Vec3::new(planes.normals[0][k], planes.normals[1][k], planes.normals[2][k]);
@@ -246,7 +266,7 @@ impl<C: AsRef<[IVec3]> + Sync, S: AsRef<[u32]> + Sync> SampleTest for CloudTable
             k += 1;
         }
         let (mut found, mut word) = (0, 0);
-        while word < self.cloud.words() && word < blocked.len() {
+        while word < self.layout.words && word < blocked.len() {
             found += (blocked[word] & !mask[word]).count_ones();
             mask[word] |= blocked[word];
             word += 1;

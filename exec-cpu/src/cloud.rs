@@ -7,9 +7,8 @@ use std::{
 
 use rayon::prelude::*;
 use umbra4_core::{
-    Counts, Exact, Executor, Fast, Pass, Plan, Precision,
+    Counts, Executor, Pass, Plan, Precision,
     cloud::CloudMask,
-    cloud_pair::SampleTest,
     cloud_tiles::CloudTiles,
     glam::IVec3,
     lanes::TILE,
@@ -18,9 +17,10 @@ use umbra4_core::{
         resolve_cloud::{CloudGroup, CloudScene},
     },
 };
+use umbra4_cpu_kernels::{CloudKernels, Detected};
 
 use crate::{
-    ExecutorError, Isa, Occluders, Statistics,
+    ExecutorError, Occluders, Statistics,
     cloud_triangles::{self, CloudTriangles},
     morton::{Curve, along},
 };
@@ -32,7 +32,7 @@ const GROUPS_A_JOB: usize = 16;
 #[derive(Clone, Copy)]
 pub(crate) struct CloudInput<'a, T> {
     pub(crate) plan: &'a Plan,
-    pub(crate) isa: Isa,
+    pub(crate) isa: Detected,
     pub(crate) precision: Precision,
     pub(crate) cloud: &'a CloudTiles<'a>,
     pub(crate) test: &'a T,
@@ -53,7 +53,7 @@ pub(crate) struct CloudRun<'a, T, V> {
     statistics: Statistics,
 }
 
-impl<'a, T: SampleTest, V: Fn(usize, &CloudMask, u32) + Sync> CloudRun<'a, T, V> {
+impl<'a, T: CloudKernels, V: Fn(usize, &CloudMask, u32) + Sync> CloudRun<'a, T, V> {
     pub(crate) fn new(input: CloudInput<'a, T>, visit: &'a V) -> Self {
         Self {
             input,
@@ -108,10 +108,7 @@ impl<'a, T: SampleTest, V: Fn(usize, &CloudMask, u32) + Sync> CloudRun<'a, T, V>
                 for (lane, index) in indices.iter().enumerate() {
                     group.set(lane, points[first + *index as usize], cloud.len());
                 }
-                match precision {
-                    Precision::Exact => isa.resolve_cloud::<Exact, T>(&scene, &mut group),
-                    Precision::Fast => isa.resolve_cloud::<Fast, T>(&scene, &mut group),
-                }
+                T::resolve(isa, precision, &scene, &mut group);
                 counts = counts.plus(group.counts);
                 for (lane, index) in indices.iter().enumerate() {
                     (self.visit)(first + *index as usize, &group.masks[lane], group.lit[lane]);
@@ -125,7 +122,7 @@ impl<'a, T: SampleTest, V: Fn(usize, &CloudMask, u32) + Sync> CloudRun<'a, T, V>
     }
 }
 
-impl<T: SampleTest, V: Fn(usize, &CloudMask, u32) + Sync> Executor for CloudRun<'_, T, V> {
+impl<T: CloudKernels, V: Fn(usize, &CloudMask, u32) + Sync> Executor for CloudRun<'_, T, V> {
     type Error = ExecutorError;
 
     fn dispatch(&mut self, pass: &Pass) -> Result<(), ExecutorError> {

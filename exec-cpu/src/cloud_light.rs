@@ -4,12 +4,12 @@ use rayon::prelude::*;
 use umbra4_core::{
     IndexKind, Plan, SceneFacts,
     cloud::{Cloud, CloudMask, WORD_BITS},
-    cloud_pair::SampleTest,
     cloud_table::CloudTable,
     cloud_tiles::CloudTiles,
     glam::IVec3,
     stage::reduce,
 };
+use umbra4_cpu_kernels::CloudKernels;
 
 use crate::{
     CloudMasks, CpuExecutor, ExecutorError, Occluders, Receivers, Statistics,
@@ -181,7 +181,7 @@ impl CpuExecutor {
     ) -> Result<(CloudMasks, Statistics), ExecutorError> {
         // In the table's order, which is the caller's.
         let (cloud, tiles) = (table.cloud(), CloudTiles::new(table.cloud().samples()));
-        self.stored(occluders, cloud, &tiles, table, receivers, |mask, out| {
+        self.stored(occluders, cloud, &tiles, &table.planes(), receivers, |mask, out| {
             out.copy_from_slice(&mask[..out.len()]);
         })
     }
@@ -205,7 +205,7 @@ impl CpuExecutor {
     }
 
     /// The masks, as `write` puts each of them over zeros.
-    fn stored<S: AsRef<[IVec3]>, T: SampleTest>(
+    fn stored<S: AsRef<[IVec3]>, T: CloudKernels>(
         &self,
         occluders: &Occluders,
         cloud: &Cloud<S>,
@@ -231,7 +231,7 @@ impl CpuExecutor {
     }
 
     #[allow(clippy::too_many_arguments, reason = "what is asked, of what, and who hears of it")]
-    fn run_cloud<S: AsRef<[IVec3]>, T: SampleTest>(
+    fn run_cloud<S: AsRef<[IVec3]>, T: CloudKernels>(
         &self,
         scene: &Occluders,
         light: &Cloud<S>,
@@ -241,7 +241,7 @@ impl CpuExecutor {
         visibility: bool,
         visit: impl Fn(usize, &CloudMask, u32) + Sync,
     ) -> Result<Statistics, ExecutorError> {
-        let (isa, precision, points) = (self.isa(), self.precision, receivers.points());
+        let (isa, precision, points) = (self.isa, self.precision, receivers.points());
         let extent = extent(light, receivers);
         let work = || {
             let plan = cloud_plan(scene, receivers, extent, visibility);

@@ -11,6 +11,7 @@ use umbra4_core::{
     light::MAX_SAMPLES,
     stage::{Stage, reduce},
 };
+use umbra4_cpu_kernels::Detected;
 
 use crate::{
     CpuWord, HardShadows, Index, Isa, Masks, Occluders, Receivers, Statistics,
@@ -110,7 +111,7 @@ pub(crate) const BLOCK: u32 = 1 << 18;
 #[derive(Clone, Debug)]
 pub struct CpuExecutor {
     pub(crate) precision: Precision,
-    isa: Isa,
+    pub(crate) isa: Detected,
     index: Index,
     pub(crate) pool: Option<Arc<ThreadPool>>,
 }
@@ -124,7 +125,7 @@ impl Default for CpuExecutor {
 impl CpuExecutor {
     /// An executor on rayon's global threads, exact, with the widest instruction set of the processor.
     pub fn new() -> Self {
-        Self { precision: Precision::Exact, isa: Isa::best(), index: Index::Auto, pool: None }
+        Self { precision: Precision::Exact, isa: Detected::best(), index: Index::Auto, pool: None }
     }
 
     /// Uses `threads` threads of its own (0: as many as the machine has).
@@ -148,7 +149,7 @@ impl CpuExecutor {
     /// Chooses the instruction set. One that the processor lacks is not taken: the executor stays as it is.
     #[must_use]
     pub fn with_isa(mut self, isa: Isa) -> Self {
-        if Isa::available().contains(&isa) {
+        if let Some(isa) = isa.detect() {
             self.isa = isa;
         }
         self
@@ -163,7 +164,7 @@ impl CpuExecutor {
 
     /// The instruction set in use.
     pub fn isa(&self) -> Isa {
-        self.isa
+        self.isa.isa()
     }
 
     /// What will run for such a scene.
@@ -187,8 +188,7 @@ impl CpuExecutor {
 
     /// What will run for a light without extent, in each of its frames that has receivers.
     pub fn plan_hard_shadows(&self, occluders: &Occluders, light: &Punctual, receivers: &Receivers) -> Plan {
-        let reached = receivers.points().iter().any(|p| light.face_of(*p).is_some());
-        punctual_plan(occluders.triangles().len(), receivers.len(), reached)
+        punctual_plan(occluders.triangles().len(), receivers.len(), light.reaches(receivers.points()))
     }
 
     /// The masks of all receivers.

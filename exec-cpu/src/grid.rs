@@ -23,8 +23,9 @@ use umbra4_core::{
         resolve_cells::{CellScene, Rows},
     },
 };
+use umbra4_cpu_kernels::{Detected, Kernels};
 
-use crate::{ExecutorError, Isa, executor::Answer, scatter::Scatter, word::Kernels};
+use crate::{ExecutorError, executor::Answer, scatter::Scatter};
 
 /// How triangles and receivers are paired: the masks are the same bits, the time is not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -84,7 +85,7 @@ impl GridOptions {
 /// One block of receivers, and the triangles.
 pub(crate) struct CellsInput<'a> {
     pub(crate) options: GridOptions,
-    pub(crate) isa: Isa,
+    pub(crate) isa: Detected,
     pub(crate) precision: Precision,
     pub(crate) light: &'a LightGrid,
     pub(crate) triangles: &'a [Option<(Keys, Occluder)>],

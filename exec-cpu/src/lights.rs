@@ -146,7 +146,7 @@ impl CpuExecutor {
         light: &Punctual,
         receivers: &Receivers,
     ) -> Result<(Lit, Statistics), ExecutorError> {
-        if !receivers.points().iter().any(|p| light.face_of(*p).is_some()) {
+        if !light.reaches(receivers.points()) {
             return Ok((Lit::Nowhere, Statistics::default()));
         }
         let (shadows, statistics) = self.hard_shadows(occluders, light, receivers)?;

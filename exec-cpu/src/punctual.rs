@@ -18,9 +18,10 @@ use umbra4_core::{
         resolve_punctual::{PunctualGroup, PunctualScene},
     },
 };
+use umbra4_cpu_kernels::{Detected, resolve_punctual};
 
 use crate::{
-    ExecutorError, Isa, Occluders, Statistics,
+    ExecutorError, Occluders, Statistics,
     hard_shadows::ShadowBits,
     hierarchy::build_level_of,
     order::{fitted, ordered, sort},
@@ -75,7 +76,7 @@ pub(crate) struct Part {
 /// What is run on.
 pub(crate) struct Input<'a> {
     pub(crate) plan: &'a Plan,
-    pub(crate) isa: Isa,
+    pub(crate) isa: Detected,
     pub(crate) precision: Precision,
     pub(crate) light: Punctual,
     pub(crate) scene: &'a Occluders,
@@ -163,7 +164,7 @@ impl<'a> PunctualRun<'a> {
                 for (lane, entry) in entries.iter().enumerate() {
                     group.set(lane, points[id(entry)], &self.receiver_keys[entry.index as usize]);
                 }
-                isa.resolve_punctual(*precision, &scene, &mut group);
+                resolve_punctual(*isa, *precision, &scene, &mut group);
                 counts = counts.plus(group.counts);
                 for (lane, entry) in entries.iter().enumerate() {
                     if group.shadowed >> lane & 1 == 1 {

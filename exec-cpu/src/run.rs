@@ -19,9 +19,10 @@ use umbra4_core::{
         resolve_silhouette::SilhouetteRoom,
     },
 };
+use umbra4_cpu_kernels::{Detected, Kernels};
 
 use crate::{
-    ExecutorError, Index, Isa, Occluders, Receivers, Statistics,
+    ExecutorError, Index, Occluders, Receivers, Statistics,
     executor::Answer,
     grid::{Cells, CellsInput},
     hierarchy::build_level_of,
@@ -29,7 +30,6 @@ use crate::{
     order::ordered,
     silhouette::{Silhouette, is_worthwhile},
     triangles::{KeyedTriangles, PackedTriangles},
-    word::Kernels,
 };
 
 /// Groups a job: enough to pay for the job, few enough to share the work evenly.
@@ -39,7 +39,7 @@ const GROUPS_A_JOB: usize = 16;
 #[derive(Clone, Copy)]
 pub(crate) struct How<'a> {
     pub(crate) plan: &'a Plan,
-    pub(crate) isa: Isa,
+    pub(crate) isa: Detected,
     pub(crate) precision: Precision,
     pub(crate) index: Index,
 }

@@ -1,17 +1,11 @@
-//! The mask words that kernels are compiled for: here and once, not again in every crate that asks for masks. Kernels take
-//! long to compile, so that words share some: what is computed in a wider word is narrowed.
+//! The mask words that users ask for. Kernels take long to compile, so that words share some: what is computed in a wider
+//! word is narrowed.
 
 use umbra4_core::{
-    Exact, Fast, MaskWord, PairWord, Precision,
+    MaskWord, PairWord,
     jitter::{Pattern, Regular},
-    stage::{
-        resolve::{Group, Occlusion},
-        resolve_cells::CellScene,
-        resolve_silhouette::{SilhouetteRoom, SilhouetteScene},
-    },
 };
-
-use crate::Isa;
+use umbra4_cpu_kernels::Kernels;
 
 /// A mask word of this executor: `u16`, `u32`, `u64`, and the pair of `u32` that GPUs use.
 pub trait CpuWord: MaskWord {
@@ -27,80 +21,6 @@ pub trait CpuWord: MaskWord {
     /// Rows as they are handed out; `room` is as long.
     #[doc(hidden)]
     fn of_jittered<'a>(rows: &'a [Self::Jittered], room: &'a mut [Self]) -> &'a [Self];
-}
-
-/// The kernels of a word, for samples that lie as `S` says. `isa` comes from [`Isa::available`].
-pub trait Kernels<S>: MaskWord {
-    /// Fills the masks of a group.
-    #[doc(hidden)]
-    fn resolve(isa: Isa, precision: Precision, scene: &Occlusion<'_>, samples: &S, group: &mut Group<Self>);
-    /// The same, by the silhouette.
-    #[doc(hidden)]
-    fn resolve_silhouette(
-        isa: Isa,
-        precision: Precision,
-        scene: &SilhouetteScene<'_>,
-        samples: &S,
-        group: &mut Group<Self>,
-        room: &mut SilhouetteRoom<Self>,
-    );
-    /// The same, with the triangles `list` of its cell. The grid takes regular samples only, and is given no others.
-    #[doc(hidden)]
-    fn resolve_cell(_: Isa, _: Precision, _: &CellScene<'_>, _: &[u32], _: &mut Group<Self>) {}
-}
-
-macro_rules! kernels {
-    ($($word:ty, $samples:ty, $fast:ty $(, with $cells:ident)?;)*) => {
-        $(
-            impl Kernels<$samples> for $word {
-                fn resolve(
-                    isa: Isa,
-                    precision: Precision,
-                    scene: &Occlusion<'_>,
-                    samples: &$samples,
-                    group: &mut Group<Self>,
-                ) {
-                    match precision {
-                        Precision::Exact => isa.resolve::<Self, Exact, _>(scene, samples, group),
-                        Precision::Fast => isa.resolve::<Self, $fast, _>(scene, samples, group),
-                    }
-                }
-
-                fn resolve_silhouette(
-                    isa: Isa,
-                    precision: Precision,
-                    scene: &SilhouetteScene<'_>,
-                    samples: &$samples,
-                    group: &mut Group<Self>,
-                    room: &mut SilhouetteRoom<Self>,
-                ) {
-                    match precision {
-                        Precision::Exact => isa.resolve_silhouette::<Self, Exact, _>(scene, samples, group, room),
-                        Precision::Fast => isa.resolve_silhouette::<Self, $fast, _>(scene, samples, group, room),
-                    }
-                }
-
-                $(kernels!(@ $cells);)?
-            }
-        )*
-    };
-    (@ cells) => {
-        fn resolve_cell(isa: Isa, precision: Precision, scene: &CellScene<'_>, list: &[u32], group: &mut Group<Self>) {
-            match precision {
-                Precision::Exact => isa.resolve_cell::<Self, Exact>(scene, list, group),
-                Precision::Fast => isa.resolve_cell::<Self, Fast>(scene, list, group),
-            }
-        }
-    };
-}
-
-// Jittered samples are certified either way: what that saves is not worth twice the kernels.
-kernels! {
-    u16, Regular, Fast, with cells;
-    u32, Regular, Fast, with cells;
-    u64, Regular, Fast, with cells;
-    u32, Pattern, Exact;
-    u64, Pattern, Exact;
 }
 
 /// Rows in words of another type.

@@ -10,13 +10,13 @@ use super::{
 
 // They are no part of umbra4-cpu's interface. With other lanes, the row loop would not be the one that it runs.
 #[cfg(target_arch = "x86_64")]
-#[path = "../../../exec-cpu/src/simd/avx2.rs"]
+#[path = "../../../exec-cpu/kernels/src/lanes/avx2.rs"]
 mod avx2;
 #[cfg(target_arch = "x86_64")]
-#[path = "../../../exec-cpu/src/simd/avx512.rs"]
+#[path = "../../../exec-cpu/kernels/src/lanes/avx512.rs"]
 mod avx512;
 #[cfg(target_arch = "x86_64")]
-#[path = "../../../exec-cpu/src/simd/long.rs"]
+#[path = "../../../exec-cpu/kernels/src/lanes/long.rs"]
 mod long;
 
 /// Fills the masks of a group. `isa` comes from [`Isa::available`].

@@ -1,0 +1,127 @@
+//! What is compiled: which words, samples and precisions.
+
+use umbra4_core::{
+    Exact, Fast, MaskWord, Precision,
+    cloud_pair::SampleTest,
+    cloud_table::PlaneTable,
+    cloud_tiles::CloudTiles,
+    jitter::{Pattern, Regular},
+    stage::{
+        resolve::{Group, Occlusion},
+        resolve_cells::CellScene,
+        resolve_cloud::{CloudGroup, CloudScene},
+        resolve_punctual::{PunctualGroup, PunctualScene},
+        resolve_silhouette::{SilhouetteRoom, SilhouetteScene},
+    },
+};
+
+use crate::{Detected, compiled};
+
+/// The kernels of a word, for samples that lie as `S` says.
+pub trait Kernels<S>: MaskWord {
+    /// Fills the masks of a group.
+    fn resolve(isa: Detected, precision: Precision, scene: &Occlusion<'_>, samples: &S, group: &mut Group<Self>);
+    /// The same, by the silhouette.
+    fn resolve_silhouette(
+        isa: Detected,
+        precision: Precision,
+        scene: &SilhouetteScene<'_>,
+        samples: &S,
+        group: &mut Group<Self>,
+        room: &mut SilhouetteRoom<Self>,
+    );
+    /// The same, with the triangles `list` of its cell. The grid takes regular samples only, and is given no others.
+    fn resolve_cell(_: Detected, _: Precision, _: &CellScene<'_>, _: &[u32], _: &mut Group<Self>) {}
+}
+
+macro_rules! kernels {
+    ($($word:ty, $samples:ty, $fast:ty $(, with $cells:ident)?;)*) => {
+        $(
+            impl Kernels<$samples> for $word {
+                fn resolve(
+                    isa: Detected,
+                    precision: Precision,
+                    scene: &Occlusion<'_>,
+                    samples: &$samples,
+                    group: &mut Group<Self>,
+                ) {
+                    match precision {
+                        Precision::Exact => compiled::resolve::run::<Self, Exact, _>(isa, scene, samples, group),
+                        Precision::Fast => compiled::resolve::run::<Self, $fast, _>(isa, scene, samples, group),
+                    }
+                }
+
+                fn resolve_silhouette(
+                    isa: Detected,
+                    precision: Precision,
+                    scene: &SilhouetteScene<'_>,
+                    samples: &$samples,
+                    group: &mut Group<Self>,
+                    room: &mut SilhouetteRoom<Self>,
+                ) {
+                    match precision {
+                        Precision::Exact => compiled::resolve_silhouette::run::<Self, Exact, _>(isa, scene, samples, group, room),
+                        Precision::Fast => compiled::resolve_silhouette::run::<Self, $fast, _>(isa, scene, samples, group, room),
+                    }
+                }
+
+                $(kernels!(@ $cells);)?
+            }
+        )*
+    };
+    (@ cells) => {
+        fn resolve_cell(isa: Detected, precision: Precision, scene: &CellScene<'_>, list: &[u32], group: &mut Group<Self>) {
+            match precision {
+                Precision::Exact => compiled::resolve_cells::run::<Self, Exact>(isa, scene, list, group),
+                Precision::Fast => compiled::resolve_cells::run::<Self, Fast>(isa, scene, list, group),
+            }
+        }
+    };
+}
+
+// Jittered samples are certified either way: what that saves is not worth twice the kernels.
+kernels! {
+    u16, Regular, Fast, with cells;
+    u32, Regular, Fast, with cells;
+    u64, Regular, Fast, with cells;
+    u32, Pattern, Exact;
+    u64, Pattern, Exact;
+}
+
+/// Finds the receivers of a group that a light without extent does not reach.
+pub fn resolve_punctual(isa: Detected, precision: Precision, scene: &PunctualScene<'_>, group: &mut PunctualGroup) {
+    match precision {
+        Precision::Exact => compiled::resolve_punctual::run::<Exact>(isa, scene, group),
+        Precision::Fast => compiled::resolve_punctual::run::<Fast>(isa, scene, group),
+    }
+}
+
+/// What tells the samples of a cloud that are blocked from others: with kernels of its own.
+pub trait CloudKernels: SampleTest {
+    /// Fills the masks of a group before a cloud.
+    fn resolve(isa: Detected, precision: Precision, scene: &CloudScene<'_, Self>, group: &mut CloudGroup)
+    where
+        Self: Sized;
+}
+
+macro_rules! cloud_kernels {
+    ($($test:ty),*) => {
+        $(
+            impl CloudKernels for $test {
+                fn resolve(
+                    isa: Detected,
+                    precision: Precision,
+                    scene: &CloudScene<'_, Self>,
+                    group: &mut CloudGroup,
+                ) {
+                    match precision {
+                        Precision::Exact => compiled::resolve_cloud::run::<Exact, Self>(isa, scene, group),
+                        Precision::Fast => compiled::resolve_cloud::run::<Fast, Self>(isa, scene, group),
+                    }
+                }
+            }
+        )*
+    };
+}
+
+cloud_kernels!(CloudTiles<'_>, PlaneTable<'_>);

@@ -1,0 +1,13 @@
+//! The resolve stages of `umbra4-core`, compiled for each instruction set, mask word and precision: here and once. They take
+//! minutes to compile, and change only when core does; `umbra4-cpu`, which brings memory and threads, is another crate so that
+//! it compiles in seconds.
+//!
+//! A part of `umbra4-cpu`: what of this is for users, it exports.
+
+mod compiled;
+mod isa;
+mod kernels;
+mod lanes;
+
+pub use isa::{Detected, Isa};
+pub use kernels::{CloudKernels, Kernels, resolve_punctual};
