@@ -35,6 +35,8 @@ pub struct Problem<'a> {
     pub light: LatticeLight,
     /// The receivers on the lattice, lifted off their surfaces.
     pub receivers: Receivers,
+    /// Normals of their surfaces, towards the eye.
+    pub normals: Vec<Vec3>,
     /// The same receivers as a ray tracer takes them: the lifted lattice points, rounded to f32.
     pub origins: Vec<Vec3>,
     /// The same light samples as a ray tracer takes them, row by row.
@@ -63,7 +65,7 @@ impl<'a> Problem<'a> {
             .collect();
         let normal: DVec3 = light.step_u.as_dvec3().cross(light.step_v.as_dvec3());
         let light_normal = normal.normalize().as_vec3();
-        Ok(Self { model: &scene.model, lattice, light, receivers, origins, samples, light_normal })
+        Ok(Self { model: &scene.model, lattice, light, receivers, normals, origins, samples, light_normal })
     }
 
     /// Rows of a mask.

@@ -246,18 +246,26 @@ impl Lanes for f32 {
     }
 }
 
-/// Sixteen lanes in plain arrays: what the compiler vectorises for instruction sets without an implementation of their
-/// own. Rounds to nearest, as Rust does everywhere.
+/// Lanes in plain arrays, `N` a divisor of [`TILE`]: what the compiler vectorises for instruction sets without an
+/// implementation of their own. Rounds to nearest, as Rust does everywhere.
 #[cfg(not(target_arch = "spirv"))]
 #[derive(Clone, Copy, Debug)]
-pub struct Sixteen([f32; TILE]);
+pub struct Array<const N: usize>([f32; N]);
+
+/// Four lanes: a register of any processor's.
+#[cfg(not(target_arch = "spirv"))]
+pub type Four = Array<4>;
+
+/// Sixteen lanes.
+#[cfg(not(target_arch = "spirv"))]
+pub type Sixteen = Array<TILE>;
 
 #[cfg(not(target_arch = "spirv"))]
 macro_rules! each {
     ($k:ident => $value:expr) => {{
-        let mut out = [Default::default(); TILE];
+        let mut out = [Default::default(); N];
         let mut $k = 0;
-        while $k < TILE {
+        while $k < N {
             out[$k] = $value;
             $k += 1;
         }
@@ -266,37 +274,47 @@ macro_rules! each {
 }
 
 #[cfg(not(target_arch = "spirv"))]
-impl Lanes for Sixteen {
-    const WIDTH: usize = TILE;
+impl<const N: usize> Lanes for Array<N> {
+    const WIDTH: usize = {
+        assert!(N > 0 && TILE.is_multiple_of(N));
+        N
+    };
     const ROUNDOFF: f32 = f32::EPSILON / 2.0;
     type Long = f64;
-    type Ints = [i32; TILE];
-    type Mask = [bool; TILE];
+    type Ints = [i32; N];
+    type Mask = [bool; N];
 
     #[inline(always)]
     fn splat(x: f32) -> Self {
-        Self([x; TILE])
+        Self([x; N])
     }
     #[inline(always)]
     fn splat_int(x: i32) -> Self::Ints {
-        [x; TILE]
+        [x; N]
     }
     #[inline(always)]
-    fn load<const N: usize>(tile: &[f32; N], _: usize) -> Self {
-        const { assert!(N == TILE) }
-        Self(each!(k => tile[k]))
+    fn load<const M: usize>(tile: &[f32; M], first: usize) -> Self {
+        Self(each!(k => tile[(first + k) % M]))
     }
     #[inline(always)]
-    fn load_ints(tile: &[i32; TILE], _: usize) -> Self::Ints {
-        *tile
+    fn load_ints(tile: &[i32; TILE], first: usize) -> Self::Ints {
+        each!(k => tile[(first + k) % TILE])
     }
     #[inline(always)]
-    fn store(self, tile: &mut [f32; TILE], _: usize) {
-        *tile = self.0;
+    fn store(self, tile: &mut [f32; TILE], first: usize) {
+        let mut k = 0;
+        while k < N {
+            tile[(first + k) % TILE] = self.0[k];
+            k += 1;
+        }
     }
     #[inline(always)]
-    fn store_ints(ints: Self::Ints, tile: &mut [i32; TILE], _: usize) {
-        *tile = ints;
+    fn store_ints(ints: Self::Ints, tile: &mut [i32; TILE], first: usize) {
+        let mut k = 0;
+        while k < N {
+            tile[(first + k) % TILE] = ints[k];
+            k += 1;
+        }
     }
     #[inline(always)]
     fn count_from(first: usize) -> Self {
@@ -370,7 +388,7 @@ impl Lanes for Sixteen {
     fn bits(mask: Self::Mask) -> u32 {
         let mut bits = 0;
         let mut k = 0;
-        while k < TILE {
+        while k < N {
             bits |= (mask[k] as u32) << k;
             k += 1;
         }
@@ -392,7 +410,7 @@ impl Lanes for Sixteen {
     fn integer_above(self, by: Self) -> u32 {
         Self::bits(each!(k => Lanes::integer_above(self.0[k], by.0[k]) == 1))
     }
-    // A function of its own: sixteen loads, and compilers take long over many of them.
+    // A function of its own: many loads, and compilers take long over many of them.
     #[inline(never)]
     fn lookup(table: &Table, places: Self::Ints) -> Self {
         Self(each!(k => <f32 as Lanes>::lookup(table, places[k])))
@@ -400,7 +418,7 @@ impl Lanes for Sixteen {
     #[inline(always)]
     fn largest(self) -> f32 {
         let (mut largest, mut k) = (self.0[0], 1);
-        while k < TILE {
+        while k < N {
             largest = Lanes::max(largest, self.0[k]);
             k += 1;
         }

@@ -12,6 +12,7 @@ pub mod bit_mask;
 pub mod doubt;
 pub mod edge_plane;
 pub mod exact;
+pub mod facing;
 pub mod frame;
 pub mod gbuffer;
 pub mod half;
@@ -91,6 +92,7 @@ pub mod volume_light;
 
 pub use glam;
 
+pub use facing::Facing;
 pub use jitter::Jitter;
 pub use lanes::Lanes;
 pub use light::LatticeLight;

@@ -43,6 +43,8 @@ pub struct SceneFacts {
     pub arranged: bool,
     /// Whether any receiver lies before the light; where none does, all is settled without a triangle.
     pub reached: bool,
+    /// Whether it is known which way the receivers' surfaces face: those that face away from the light are settled first.
+    pub facing: bool,
     /// Whether the light is one without extent ([`crate::punctual`]): masks have one bit.
     pub punctual: bool,
 }
@@ -61,6 +63,7 @@ impl Default for SceneFacts {
             jittered: false,
             arranged: false,
             reached: true,
+            facing: false,
             punctual: false,
         }
     }
@@ -113,7 +116,7 @@ impl Plan {
         let facts = &self.facts;
         let index = self.index();
         // Before a cloud, every receiver is in full light where nothing lies between.
-        if facts.receivers == 0 || (index == IndexKind::Shafts && facts.triangles == 0) {
+        if facts.receivers == 0 || (index == IndexKind::Shafts && facts.triangles == 0 && !facts.facing) {
             return Ok(());
         }
         let mut once = |stage, count, first| {
@@ -135,6 +138,7 @@ impl Plan {
             let count = facts.block.max(1).min(facts.receivers - first);
             once(Stage::SnapReceivers, if facts.world_receivers { count } else { 0 }, first)?;
             once(Stage::KeyReceivers, count, first)?;
+            once(Stage::SettleReceivers, if facts.facing { count } else { 0 }, first)?;
             match index {
                 IndexKind::Hierarchy | IndexKind::Silhouette => {
                     once(Stage::OrderReceivers, count, first)?;
@@ -183,7 +187,7 @@ impl Plan {
             }
             Stage::ResolvePunctual if !facts.punctual => (false, "the light has an area"),
             Stage::ResolveCloud if !cloud => (false, "the light is no cloud"),
-            _ if cloud && !triangles => {
+            _ if cloud && !triangles && !facts.facing => {
                 (false, if facts.reached { "no triangles" } else { "no triangle lies between receivers and light" })
             }
             Stage::OrderTriangles
@@ -209,6 +213,8 @@ impl Plan {
             }
             Stage::BuildLevel if self.levels.count() < 2 => (false, "one node holds all triangles"),
             Stage::BuildLevel => (true, "more triangles than a node holds"),
+            Stage::SettleReceivers if !facts.facing => (false, "receivers may look to any side"),
+            Stage::SettleReceivers => (true, "receivers with normals: some may face away"),
             Stage::DefineFrame | Stage::BinReceivers => (true, "receivers to index"),
             Stage::KeyReceivers
             | Stage::OrderReceivers

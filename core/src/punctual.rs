@@ -79,7 +79,7 @@ impl Punctual {
 
     /// The light as seen from a point: a vector towards it.
     #[inline(always)]
-    fn seen_from(&self, p: IVec3) -> IVec3 {
+    pub(crate) fn seen_from(&self, p: IVec3) -> IVec3 {
         if self.is_point { self.at - p } else { self.at }
     }
 

@@ -77,12 +77,6 @@ impl Punctual {
         if height == 0 { None } else { Some(2 * axis + (height < 0) as u32) }
     }
 
-    /// Whether something may lie between the light and one of the receivers: not where all of them lie in the light itself.
-    #[cfg(not(target_arch = "spirv"))]
-    pub fn reaches(&self, receivers: &[IVec3]) -> bool {
-        receivers.iter().any(|p| self.face_of(*p).is_some())
-    }
-
     /// The faces whose pyramids a triangle may reach into: bit f is face f.
     #[inline]
     pub fn faces_of(&self, corners: &[IVec3; 3]) -> u32 {

@@ -257,6 +257,7 @@ impl<W: MaskWord, P: PrecisionMode> Executor for Serial<'_, W, P> {
             }
             Stage::Resolve => (self.resolve(pass), "masks or receiver_order"),
             Stage::FindSilhouette
+            | Stage::SettleReceivers
             | Stage::ResolvePunctual
             | Stage::ResolveCloud
             | Stage::DefineFrame

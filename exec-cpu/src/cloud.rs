@@ -20,7 +20,7 @@ use umbra4_core::{
 use umbra4_cpu_kernels::{CloudKernels, Detected};
 
 use crate::{
-    ExecutorError, Occluders, Statistics,
+    ExecutorError, Occluders, Receivers, Statistics,
     cloud_triangles::{self, CloudTriangles},
     morton::{Curve, along},
 };
@@ -37,7 +37,7 @@ pub(crate) struct CloudInput<'a, T> {
     pub(crate) cloud: &'a CloudTiles<'a>,
     pub(crate) test: &'a T,
     pub(crate) scene: &'a Occluders,
-    pub(crate) points: &'a [IVec3],
+    pub(crate) receivers: &'a Receivers,
     /// A box around the cloud and all points.
     pub(crate) extent: [IVec3; 2],
 }
@@ -49,6 +49,8 @@ pub(crate) struct CloudRun<'a, T, V> {
     order: Vec<u32>,
     triangles: CloudTriangles,
     curve: Curve,
+    /// Of a block, those that face away.
+    settled: Vec<bool>,
     receiver_order: Vec<u32>,
     statistics: Statistics,
 }
@@ -61,6 +63,7 @@ impl<'a, T: CloudKernels, V: Fn(usize, &CloudMask, u32) + Sync> CloudRun<'a, T, 
             order: Vec::new(),
             triangles: CloudTriangles::default(),
             curve: Curve::through(&[], 1),
+            settled: Vec::new(),
             receiver_order: Vec::new(),
             statistics: Statistics::default(),
         }
@@ -91,13 +94,31 @@ impl<'a, T: CloudKernels, V: Fn(usize, &CloudMask, u32) + Sync> CloudRun<'a, T, 
         self.pack(Some(&order));
     }
 
+    /// Receivers that face away see nothing.
+    fn settle_receivers(&mut self, first: usize, count: usize) {
+        let CloudInput { cloud, receivers, .. } = self.input;
+        let settled = (first..first + count).into_par_iter().map(|index| {
+            let is_away = receivers.facing_of(index).is_away_from_box(cloud.bounds(), receivers.points()[index]);
+            if is_away {
+                (self.visit)(index, cloud.full(), 0);
+            }
+            is_away
+        });
+        self.settled = settled.collect();
+    }
+
     fn order_receivers(&mut self, first: usize, count: usize) {
-        let (points, curve) = (&self.input.points[first..first + count], self.curve);
+        let (points, curve) = (&self.input.receivers.points()[first..first + count], self.curve);
         self.receiver_order = along(count, |index| curve.place([points[index]]));
+        let settled = std::mem::take(&mut self.settled);
+        if !settled.is_empty() {
+            self.receiver_order.retain(|index| !settled[*index as usize]);
+        }
     }
 
     fn resolve(&mut self, first: usize) {
-        let CloudInput { plan, isa, precision, cloud, test, points, .. } = self.input;
+        let CloudInput { plan, isa, precision, cloud, test, receivers, .. } = self.input;
+        let points = receivers.points();
         let CloudTriangles { occluders, nodes } = &self.triangles;
         let scene = CloudScene { cloud, test, levels: plan.levels(), nodes, occluders };
         let total = Mutex::new(Counts::default());
@@ -132,7 +153,8 @@ impl<T: CloudKernels, V: Fn(usize, &CloudMask, u32) + Sync> Executor for CloudRu
             Stage::KeyTriangles => self.key_triangles(),
             Stage::OrderTriangles => self.order_triangles(),
             Stage::BuildLevel => self.triangles.build_level(self.input.plan.levels(), first),
-            Stage::KeyReceivers => self.curve = Curve::through(&self.input.points[first..first + count], 1),
+            Stage::KeyReceivers => self.curve = Curve::through(&self.input.receivers.points()[first..first + count], 1),
+            Stage::SettleReceivers => self.settle_receivers(first, count),
             Stage::OrderReceivers => self.order_receivers(first, count),
             Stage::ResolveCloud => self.resolve(first),
             // The visitor reduces; no plan of a cloud holds another.

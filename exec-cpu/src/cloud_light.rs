@@ -241,11 +241,11 @@ impl CpuExecutor {
         visibility: bool,
         visit: impl Fn(usize, &CloudMask, u32) + Sync,
     ) -> Result<Statistics, ExecutorError> {
-        let (isa, precision, points) = (self.isa, self.precision, receivers.points());
+        let (isa, precision) = (self.isa, self.precision);
         let extent = extent(light, receivers);
         let work = || {
             let plan = cloud_plan(scene, receivers, extent, visibility);
-            CloudRun::new(CloudInput { plan: &plan, isa, precision, cloud, test, scene, points, extent }, &visit)
+            CloudRun::new(CloudInput { plan: &plan, isa, precision, cloud, test, scene, receivers, extent }, &visit)
                 .finish()
         };
         match &self.pool {
@@ -277,6 +277,7 @@ fn cloud_plan(occluders: &Occluders, receivers: &Receivers, extent: [IVec3; 2], 
         index: IndexKind::Shafts,
         arranged: occluders.arrangement().is_some(),
         reached,
+        facing: !receivers.facings().is_empty(),
         ..SceneFacts::default()
     })
 }

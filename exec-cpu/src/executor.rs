@@ -172,7 +172,8 @@ impl CpuExecutor {
         Plan::new(SceneFacts {
             jittered: light.jitter.is_some(),
             arranged: occluders.arrangement().is_some(),
-            reached: light.reaches(receivers.points()),
+            reached: receivers.meet(light),
+            facing: !receivers.facings().is_empty(),
             triangles: occluders.triangles().len() as u32,
             receivers: receivers.len() as u32,
             visibility,
@@ -188,7 +189,12 @@ impl CpuExecutor {
 
     /// What will run for a light without extent, in each of its frames that has receivers.
     pub fn plan_hard_shadows(&self, occluders: &Occluders, light: &Punctual, receivers: &Receivers) -> Plan {
-        punctual_plan(occluders.triangles().len(), receivers.len(), light.reaches(receivers.points()))
+        punctual_plan(
+            occluders.triangles().len(),
+            receivers.len(),
+            receivers.meet_punctual(light),
+            !receivers.facings().is_empty(),
+        )
     }
 
     /// The masks of all receivers.
@@ -336,20 +342,21 @@ impl CpuExecutor {
         let (shadows, mut statistics) = (ShadowBits::new(receivers.len()), Statistics::default());
         let mut work = || {
             let start = Instant::now();
+            let facing = !receivers.facings().is_empty();
             let faces = Faces::new(light, occluders, receivers.points());
             let parts: Vec<Part> = (0..light.faces()).filter_map(|face| faces.part(face)).collect();
             if !parts.is_empty() {
                 statistics.add(Stage::KeyTriangles, start.elapsed());
             }
             parts.iter().try_for_each(|part| {
-                let plan = punctual_plan(part.triangles.len(), part.receivers.len(), true);
+                let plan = punctual_plan(part.triangles.len(), part.receivers.len(), true, facing);
                 let input = Input {
                     plan: &plan,
                     isa: self.isa,
                     precision: self.precision,
                     light: *light,
                     scene: occluders,
-                    points: receivers.points(),
+                    receivers,
                     part,
                 };
                 plan.run(&mut PunctualRun::new(input, &shadows, &mut statistics))
@@ -439,13 +446,14 @@ impl CpuExecutor {
 }
 
 /// What runs for a light without extent, in one of its frames.
-fn punctual_plan(triangles: usize, receivers: usize, reached: bool) -> Plan {
+fn punctual_plan(triangles: usize, receivers: usize, reached: bool, facing: bool) -> Plan {
     Plan::new(SceneFacts {
         triangles: triangles as u32,
         receivers: receivers as u32,
         block: BLOCK,
         punctual: true,
         reached,
+        facing,
         ..SceneFacts::default()
     })
 }

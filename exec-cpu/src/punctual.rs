@@ -21,7 +21,7 @@ use umbra4_core::{
 use umbra4_cpu_kernels::{Detected, resolve_punctual};
 
 use crate::{
-    ExecutorError, Occluders, Statistics,
+    ExecutorError, Occluders, Receivers, Statistics,
     hard_shadows::ShadowBits,
     hierarchy::build_level_of,
     order::{fitted, ordered, sort},
@@ -80,7 +80,7 @@ pub(crate) struct Input<'a> {
     pub(crate) precision: Precision,
     pub(crate) light: Punctual,
     pub(crate) scene: &'a Occluders,
-    pub(crate) points: &'a [IVec3],
+    pub(crate) receivers: &'a Receivers,
     pub(crate) part: &'a Part,
 }
 
@@ -91,7 +91,8 @@ pub(crate) struct PunctualRun<'a> {
     shadows: &'a ShadowBits,
     order: Vec<Entry>,
     packed: PackedTriangles,
-    receiver_keys: Vec<Keys>,
+    /// None of those that face away.
+    receiver_keys: Vec<Option<Keys>>,
     receiver_order: Vec<Entry>,
     statistics: &'a mut Statistics,
 }
@@ -142,13 +143,26 @@ impl<'a> PunctualRun<'a> {
     }
 
     fn key_receivers(&mut self, first: usize, count: usize) {
-        let Input { points, part, .. } = &self.input;
-        let receivers = part.receivers[first..first + count].par_iter();
-        receivers.map(|id| self.frame.receiver_keys(points[*id as usize])).collect_into_vec(&mut self.receiver_keys);
+        let Input { receivers, part, .. } = &self.input;
+        let (points, ids) = (receivers.points(), part.receivers[first..first + count].par_iter());
+        ids.map(|id| Some(self.frame.receiver_keys(points[*id as usize]))).collect_into_vec(&mut self.receiver_keys);
+    }
+
+    fn settle_receivers(&mut self, first: usize, count: usize) {
+        let Input { light, receivers, part, .. } = &self.input;
+        let ids = part.receivers[first..first + count].par_iter();
+        self.receiver_keys.par_iter_mut().zip(ids).for_each(|(keys, id)| {
+            let index = *id as usize;
+            if receivers.facing_of(index).is_away_from_punctual(*light, receivers.points()[index]) {
+                self.shadows.set(index);
+                *keys = None;
+            }
+        });
     }
 
     fn resolve(&mut self, first: usize) {
-        let Input { plan, isa, precision, light, points, part, .. } = &self.input;
+        let Input { plan, isa, precision, light, receivers, part, .. } = &self.input;
+        let points = receivers.points();
         let scene = PunctualScene {
             light: *light,
             levels: plan.levels(),
@@ -162,7 +176,9 @@ impl<'a> PunctualRun<'a> {
                 let mut group = PunctualGroup::default();
                 let id = |entry: &Entry| part.receivers[first + entry.index as usize] as usize;
                 for (lane, entry) in entries.iter().enumerate() {
-                    group.set(lane, points[id(entry)], &self.receiver_keys[entry.index as usize]);
+                    if let Some(keys) = &self.receiver_keys[entry.index as usize] {
+                        group.set(lane, points[id(entry)], keys);
+                    }
                 }
                 resolve_punctual(*isa, *precision, &scene, &mut group);
                 counts = counts.plus(group.counts);
@@ -191,9 +207,10 @@ impl Executor for PunctualRun<'_> {
             Stage::OrderTriangles => self.order_triangles(),
             Stage::BuildLevel => build_level_of(self.input.plan.levels(), &mut self.packed.nodes, first),
             Stage::KeyReceivers => self.key_receivers(first, count),
+            Stage::SettleReceivers => self.settle_receivers(first, count),
             Stage::OrderReceivers => {
                 let frame = self.frame.light_frame();
-                self.receiver_order = ordered(frame, &self.receiver_keys, |keys| Some(*keys));
+                self.receiver_order = ordered(frame, &self.receiver_keys, |keys| *keys);
             }
             Stage::ResolvePunctual => self.resolve(first),
             // No plan of a light without extent holds another.

@@ -153,6 +153,17 @@ impl<'a, W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, S, V> {
             .collect_into_vec(&mut self.receiver_keys);
     }
 
+    /// Receivers that face away are as good as behind the light.
+    fn settle_receivers(&mut self, first: usize) {
+        let (light, receivers) = (&self.grid.light, self.receivers);
+        self.receiver_keys.par_iter_mut().enumerate().for_each(|(id, keys)| {
+            let index = first + id;
+            if receivers.facing_of(index).is_away_from(light, receivers.points()[index]) {
+                *keys = None;
+            }
+        });
+    }
+
     fn resolve(&mut self, first: usize) {
         let scene = Occlusion {
             grid: &self.grid,
@@ -248,6 +259,7 @@ impl<W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W
             Stage::BuildLevel => self.build_level(first),
             Stage::FindSilhouette => self.find_silhouette(),
             Stage::KeyReceivers => self.key_receivers(first, count),
+            Stage::SettleReceivers => self.settle_receivers(first),
             Stage::OrderReceivers => self.receiver_order = ordered(&self.grid.frame, &self.receiver_keys, |keys| *keys),
             Stage::Resolve => self.resolve(first),
             Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells => {

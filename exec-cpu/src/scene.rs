@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 use thiserror::Error;
 use umbra4_core::{
-    Lattice, Lift, SnapError,
+    Facing, Lattice, LatticeLight, Lift, Punctual, SnapError,
     glam::{DVec3, IVec3, Vec3},
     stage::snap_receivers::lifted,
 };
@@ -213,6 +213,8 @@ impl Occluders {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Receivers {
     points: Vec<IVec3>,
+    /// Of all of them, or of none.
+    facings: Vec<Facing>,
 }
 
 impl Receivers {
@@ -223,7 +225,7 @@ impl Receivers {
     pub fn raw(lattice: &Lattice, points: &[Vec3]) -> Result<Self, SceneError> {
         check_count("receivers", points.len())?;
         let points = snap_all(points, |p| lattice.snap(*p), |index, source| SceneError::Receiver { index, source })?;
-        Ok(Self { points })
+        Ok(Self { points, facings: Vec::new() })
     }
 
     /// As [`Receivers::raw`], from f64 coordinates.
@@ -234,7 +236,7 @@ impl Receivers {
         check_count("receivers", points.len())?;
         let points =
             snap_all(points, |p| lattice.snap_f64(*p), |index, source| SceneError::Receiver { index, source })?;
-        Ok(Self { points })
+        Ok(Self { points, facings: Vec::new() })
     }
 
     /// Receivers that lie on surfaces with the given normals (of any length, towards the side that is seen), such as a
@@ -247,11 +249,65 @@ impl Receivers {
         if normals.len() != points.len() {
             return Err(SceneError::NormalCount { count: normals.len(), receivers: points.len() });
         }
-        let Self { points } = Self::raw(lattice, points)?;
+        let Self { points, facings } = Self::raw(lattice, points)?;
         let lifted = |index: usize| {
             lifted(points[index], normals[index], lift).ok_or(SceneError::Normal { index, normal: normals[index] })
         };
-        Ok(Self { points: each(points.len(), lifted)? })
+        Ok(Self { points: each(points.len(), lifted)?, facings })
+    }
+
+    /// The same receivers, each of which faces the side that its surface's normal points to (of any length): a light that lies
+    /// wholly behind that surface does not reach it, and no triangle is looked at for it; all bits of its mask are set. Worth
+    /// its while where light from behind is not asked for, since receivers in the shade of their own object cost most. The test
+    /// is [`Facing`]'s.
+    ///
+    /// ```
+    /// use umbra4_cpu::{CpuExecutor, Occluders, Receivers};
+    /// use umbra4_core::{AreaLight, Bounds, Lattice, Lift, glam::{DVec3, Vec3}};
+    ///
+    /// let lattice = Lattice::covering(Bounds { min: DVec3::splat(-4.0), max: DVec3::splat(4.0) })?;
+    /// let lamp = AreaLight::new(DVec3::new(-0.5, 3.0, -0.5), DVec3::X, DVec3::Z, 16, 16)?.snap(&lattice, Lift::NONE)?;
+    /// let receivers = Receivers::raw(&lattice, &[Vec3::ZERO, Vec3::ZERO])?.facing(&[Vec3::Y, Vec3::NEG_Y])?;
+    /// let (visibility, _) = CpuExecutor::new().visibility(&Occluders::default(), &lamp, &receivers)?;
+    /// assert_eq!(visibility, [1.0, 0.0]);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Another number of normals than receivers; the first normal that points nowhere.
+    pub fn facing(self, normals: &[Vec3]) -> Result<Self, SceneError> {
+        let Self { points, .. } = self;
+        if normals.len() != points.len() {
+            return Err(SceneError::NormalCount { count: normals.len(), receivers: points.len() });
+        }
+        let facing = |index: usize| match Facing::of(normals[index]) {
+            Facing::UNKNOWN => Err(SceneError::Normal { index, normal: normals[index] }),
+            facing => Ok(facing),
+        };
+        Ok(Self { facings: each(points.len(), facing)?, points })
+    }
+
+    /// Which way each receiver faces; empty where they may look to any side.
+    pub fn facings(&self) -> &[Facing] {
+        &self.facings
+    }
+
+    /// Which way receiver `index` faces.
+    pub(crate) fn facing_of(&self, index: usize) -> Facing {
+        self.facings.get(index).copied().unwrap_or(Facing::UNKNOWN)
+    }
+
+    /// Whether the light lies before one of them, and one of them before the light.
+    pub(crate) fn meet(&self, light: &LatticeLight) -> bool {
+        let of_one =
+            |(index, p)| light.reaches(std::slice::from_ref(p)) && !self.facing_of(index).is_away_from(light, *p);
+        self.points.iter().enumerate().any(of_one)
+    }
+
+    /// Whether one of them does not face away from a light without extent.
+    pub(crate) fn meet_punctual(&self, light: &Punctual) -> bool {
+        let mut receivers = self.points.iter().enumerate();
+        receivers.any(|(index, p)| !self.facing_of(index).is_away_from_punctual(*light, *p))
     }
 
     /// Lattice coordinates of the receivers.

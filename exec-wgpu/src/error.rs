@@ -118,6 +118,14 @@ pub enum GpuError {
         /// Rows and columns of the light.
         light: [u32; 2],
     },
+    /// Either all receivers face some way, or it is known of none.
+    #[error("facings of {facings} receivers, for {receivers}")]
+    FacingCount {
+        /// Facings given.
+        facings: usize,
+        /// Receivers given.
+        receivers: usize,
+    },
     /// There are more elements than a 32-bit index can name.
     #[error("{count} {field} are too many: at most {most} can be indexed")]
     TooMany {

@@ -19,9 +19,9 @@ use umbra4_core::{
 };
 
 use crate::{
-    Gpu, GpuError, LatticeScene, Loading, Statistics, checks,
+    Gpu, GpuError, LatticeReceivers, LatticeScene, Loading, Statistics, checks,
     host::{Asked, Host, Results},
-    light_run::{LightRun, faces_with},
+    light_run::{LightRun, faces_with, reaches},
     recorder::Recorder,
     scratch::Scratch,
     stages::{BLOCK, Buffers, SMALLEST_SLICE, block, mask_layout, narrowest, slice},
@@ -128,14 +128,14 @@ impl WgpuExecutor {
     ///
     /// # Errors
     /// The word is too narrow for the light; a buffer is larger than the device can bind; the device fails.
-    pub fn masks<W: MaskWord>(
+    pub fn masks<'a, W: MaskWord>(
         &self,
         scene: &LatticeScene<'_>,
         light: &LatticeLight,
-        receivers: &[IVec3],
+        receivers: impl Into<LatticeReceivers<'a>>,
     ) -> Result<(Vec<W>, Statistics), GpuError> {
         let ask = Asked { masks: true, counts: self.counted, ..Asked::default() };
-        let (results, statistics) = self.run(scene, &(*light).into(), receivers, W::BITS, ask)?;
+        let (results, statistics) = self.run(scene, &(*light).into(), receivers.into(), W::BITS, ask)?;
         Ok((words(&results.masks, light.rows as usize, stride(light.rows, W::BITS) as usize), statistics))
     }
 
@@ -143,11 +143,11 @@ impl WgpuExecutor {
     ///
     /// # Errors
     /// As [`WgpuExecutor::masks`]; the word is chosen to fit the light.
-    pub fn visibility(
+    pub fn visibility<'a>(
         &self,
         scene: &LatticeScene<'_>,
         light: &LatticeLight,
-        receivers: &[IVec3],
+        receivers: impl Into<LatticeReceivers<'a>>,
     ) -> Result<(Vec<f32>, Statistics), GpuError> {
         let (lit, statistics) = self.lit_counts(scene, light, receivers)?;
         let samples = light.sample_count();
@@ -158,15 +158,15 @@ impl WgpuExecutor {
     ///
     /// # Errors
     /// As [`WgpuExecutor::visibility`].
-    pub fn lit_counts(
+    pub fn lit_counts<'a>(
         &self,
         scene: &LatticeScene<'_>,
         light: &LatticeLight,
-        receivers: &[IVec3],
+        receivers: impl Into<LatticeReceivers<'a>>,
     ) -> Result<(Vec<u32>, Statistics), GpuError> {
         let ask = Asked { counts: self.counted, visibility: true, ..Asked::default() };
         let light = (*light).into();
-        let (results, statistics) = self.run(scene, &light, receivers, narrowest(&light), ask)?;
+        let (results, statistics) = self.run(scene, &light, receivers.into(), narrowest(&light), ask)?;
         Ok((results.lit, statistics))
     }
 
@@ -175,11 +175,11 @@ impl WgpuExecutor {
     ///
     /// # Errors
     /// As [`WgpuExecutor::visibility`]; an emission of another number of rows or columns than the light's.
-    pub fn light<S: AsRef<[Weight]>>(
+    pub fn light<'a, S: AsRef<[Weight]>>(
         &self,
         scene: &LatticeScene<'_>,
         light: &LatticeLight,
-        receivers: &[IVec3],
+        receivers: impl Into<LatticeReceivers<'a>>,
         emission: &Emission<S>,
     ) -> Result<(Vec<[u32; 3]>, Statistics), GpuError> {
         let size = [light.rows, light.columns];
@@ -189,7 +189,7 @@ impl WgpuExecutor {
         let weights: Vec<PackedWeight> = emission.weights().iter().map(|weight| packed(*weight)).collect();
         let ask = Asked { counts: self.counted, visibility: true, weights: Some(&weights), ..Asked::default() };
         let light = (*light).into();
-        let (results, statistics) = self.run(scene, &light, receivers, narrowest(&light), ask)?;
+        let (results, statistics) = self.run(scene, &light, receivers.into(), narrowest(&light), ask)?;
         Ok((results.weighed, statistics))
     }
 
@@ -198,15 +198,15 @@ impl WgpuExecutor {
     ///
     /// # Errors
     /// As [`WgpuExecutor::visibility`].
-    pub fn hard_shadows(
+    pub fn hard_shadows<'a>(
         &self,
         scene: &LatticeScene<'_>,
         light: &Punctual,
-        receivers: &[IVec3],
+        receivers: impl Into<LatticeReceivers<'a>>,
     ) -> Result<(Vec<u32>, Statistics), GpuError> {
         let ask = Asked { counts: self.counted, visibility: true, ..Asked::default() };
         let light = (*light).into();
-        let (results, statistics) = self.run(scene, &light, receivers, narrowest(&light), ask)?;
+        let (results, statistics) = self.run(scene, &light, receivers.into(), narrowest(&light), ask)?;
         let word = |lit: &[u32]| lit.iter().rev().fold(0, |word, lit| word << 1 | u32::from(*lit == 0));
         Ok((results.lit.chunks(32).map(word).collect(), statistics))
     }
@@ -216,15 +216,15 @@ impl WgpuExecutor {
     ///
     /// # Errors
     /// As [`WgpuExecutor::visibility`].
-    pub fn pairs_per_receiver(
+    pub fn pairs_per_receiver<'a>(
         &self,
         scene: &LatticeScene<'_>,
         light: &LatticeLight,
-        receivers: &[IVec3],
+        receivers: impl Into<LatticeReceivers<'a>>,
     ) -> Result<(Vec<u32>, Statistics), GpuError> {
         let ask = Asked { counts: true, ..Asked::default() };
         let light = (*light).into();
-        let (results, statistics) = self.run(scene, &light, receivers, narrowest(&light), ask)?;
+        let (results, statistics) = self.run(scene, &light, receivers.into(), narrowest(&light), ask)?;
         Ok((results.counts.iter().map(|[_, _, relevant, _]| *relevant).collect(), statistics))
     }
 
@@ -233,7 +233,7 @@ impl WgpuExecutor {
         &self,
         scene: &LatticeScene<'_>,
         light: &AnyLight,
-        receivers: &[IVec3],
+        receivers: LatticeReceivers<'_>,
         bits: u32,
         asked: Asked<'_>,
     ) -> Result<(Results, Statistics), GpuError> {
@@ -242,8 +242,12 @@ impl WgpuExecutor {
         {
             return Err(GpuError::WordTooNarrow { columns, bits });
         }
+        let LatticeReceivers { points, facings } = receivers;
+        if !facings.is_empty() && facings.len() != points.len() {
+            return Err(GpuError::FacingCount { facings: facings.len(), receivers: points.len() });
+        }
         let counts =
-            [("vertices", scene.vertices.len()), ("triangles", scene.triangles.len()), ("receivers", receivers.len())];
+            [("vertices", scene.vertices.len()), ("triangles", scene.triangles.len()), ("receivers", points.len())];
         for (field, count) in counts {
             checks::count_of(field, count as u64)?;
         }
@@ -253,16 +257,18 @@ impl WgpuExecutor {
             MaskLayout { reduction, ..mask_layout(light, bits, self.precision, asked.counts, slice) }
         };
         let mut slice = slice(*software);
-        let faces = faces_with(light, receivers);
+        let faces = faces_with(light, points);
+        let reached = reaches(light, receivers);
         let nothing = LatticeScene { vertices: &[], triangles: &[] };
-        let scene = if faces == 0 { &nothing } else { scene };
+        let scene = if reached { scene } else { &nothing };
         let facts = SceneFacts {
             triangles: scene.triangles.len() as u32,
-            receivers: receivers.len() as u32,
+            receivers: points.len() as u32,
             visibility: asked.visibility,
             block: block(&layout(slice), self.block),
             jittered: matches!(light, AnyLight::Area(light) if light.jitter.is_some()),
-            reached: faces != 0,
+            reached,
+            facing: !facings.is_empty(),
             punctual: matches!(light, AnyLight::Punctual(_)),
             ..SceneFacts::default()
         };
@@ -278,7 +284,7 @@ impl WgpuExecutor {
         };
         let compiling = recorder.pipelines().time();
         let start = Instant::now();
-        let bounds = bounds(scene.vertices.iter().chain(receivers));
+        let bounds = bounds(scene.vertices.iter().chain(points));
         let results = loop {
             let layout = layout(slice);
             let buffers = Buffers::fit(scratch, device, &plan, &layout, scene.vertices.len() as u32)?;

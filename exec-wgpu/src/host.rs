@@ -1,7 +1,6 @@
 //! A run for the host: what it hands over goes up, what it asked for comes back, block by block.
 
 use umbra4_core::{
-    glam::IVec3,
     kernel::{
         resolve::{ReceiverCounts, STOPPED},
         weigh::PackedWeight,
@@ -11,7 +10,7 @@ use umbra4_core::{
 use wgpu::{Buffer, CommandEncoderDescriptor};
 
 use crate::{
-    Gpu, GpuError, LatticeScene,
+    Gpu, GpuError, LatticeReceivers, LatticeScene,
     error::guarded,
     readback::{copy, read},
     recorder::Recorder,
@@ -61,18 +60,19 @@ impl<'a> Host<'a> {
         &self,
         buffers: &Buffers,
         scene: &LatticeScene<'_>,
-        receivers: &[IVec3],
+        receivers: LatticeReceivers<'_>,
     ) -> Result<(), GpuError> {
         let Gpu { device, queue, .. } = self.gpu;
         let parts: [(&Buffer, &[u8]); 3] = [
             (&buffers.vertices, bytemuck::cast_slice(scene.vertices)),
             (&buffers.triangles, bytemuck::cast_slice(scene.triangles)),
-            (&buffers.receivers, bytemuck::cast_slice(receivers)),
+            (&buffers.receivers, bytemuck::cast_slice(receivers.points)),
         ];
         let weights = buffers.weights.as_ref().zip(self.asked.weights);
         let weights = weights.map(|(buffer, weights)| (buffer, bytemuck::cast_slice(weights)));
+        let facings = buffers.facings.as_ref().map(|buffer| (buffer, bytemuck::cast_slice(receivers.facings)));
         guarded(device, "uploads a scene", || {
-            for (buffer, bytes) in parts.into_iter().chain(weights) {
+            for (buffer, bytes) in parts.into_iter().chain(weights).chain(facings) {
                 queue.write_buffer(buffer, 0, bytes);
             }
         })

@@ -30,7 +30,7 @@ pub use gpu::{AdapterReport, Choice, Gpu, adapters};
 pub use image::VisibilityFormat;
 pub use modules::{code, manifest};
 pub use pipelines::Loading;
-pub use scene::LatticeScene;
+pub use scene::{LatticeReceivers, LatticeScene};
 pub use shadows::{Snapped, SoftShadows};
 pub use statistics::Statistics;
 pub use umbra4_core::{Precision, kernel::status::Status};

@@ -1,9 +1,9 @@
 //! A light's run: the stages in each of its frames, one after the other.
 
-use umbra4_core::{AnyLight, Plan, SceneFacts, glam::IVec3, kernel::dispatch::MaskLayout};
+use umbra4_core::{AnyLight, Facing, Plan, SceneFacts, glam::IVec3, kernel::dispatch::MaskLayout};
 
 use crate::{
-    GpuError,
+    GpuError, LatticeReceivers,
     recorder::Recorder,
     stages::{Buffers, Ends, Stages},
     told::Told,
@@ -37,6 +37,16 @@ pub(crate) fn faces_with(light: &AnyLight, receivers: &[IVec3]) -> u32 {
             receivers.iter().filter_map(|p| light.face_of(*p)).fold(0, |faces, face| faces | 1 << face)
         }
     }
+}
+
+/// Whether a triangle may matter to one of the receivers: it lies before the light, and does not face away from it.
+pub(crate) fn reaches(light: &AnyLight, receivers: LatticeReceivers<'_>) -> bool {
+    let LatticeReceivers { points, facings } = receivers;
+    let facing = |index: usize| facings.get(index).copied().unwrap_or(Facing::UNKNOWN);
+    points.iter().enumerate().any(|(index, p)| match light {
+        AnyLight::Area(light) => light.reaches(&[*p]) && !facing(index).is_away_from(light, *p),
+        AnyLight::Punctual(light) => light.face_of(*p).is_some() && !facing(index).is_away_from_punctual(*light, *p),
+    })
 }
 
 impl LightRun {

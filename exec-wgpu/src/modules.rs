@@ -16,6 +16,7 @@ macro_rules! modules {
 modules! {
     KeyTriangles: "key_triangles",
     KeyReceivers: "key_receivers",
+    SettleReceivers: "settle_receivers",
     CountDigits: "count_digits",
     SumBlocks: "sum_blocks",
     ScanBlocks: "scan_blocks",
@@ -40,6 +41,7 @@ modules! {
     Resolve64FastJitteredCounted: "resolve_64_fast_jittered_counted",
     KeyPunctualTriangles: "key_punctual_triangles",
     KeyPunctualReceivers: "key_punctual_receivers",
+    SettlePunctualReceivers: "settle_punctual_receivers",
     OrderPunctualTriangles: "order_punctual_triangles",
     ResolvePunctualExact: "resolve_punctual_exact",
     ResolvePunctualFast: "resolve_punctual_fast",

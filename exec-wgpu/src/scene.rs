@@ -1,6 +1,6 @@
 //! What the executor is given.
 
-use umbra4_core::glam::IVec3;
+use umbra4_core::{Facing, glam::IVec3};
 
 /// Triangles on the lattice, as an engine or another executor has snapped them.
 #[derive(Clone, Copy, Debug)]
@@ -9,4 +9,31 @@ pub struct LatticeScene<'a> {
     pub vertices: &'a [IVec3],
     /// Vertex indices of triangles. One that names a vertex that does not exist blocks nothing.
     pub triangles: &'a [[u32; 3]],
+}
+
+/// The points whose masks are asked for, on the lattice, and, where that is known, which way their surfaces face.
+#[derive(Clone, Copy, Debug)]
+pub struct LatticeReceivers<'a> {
+    /// Lattice positions.
+    pub points: &'a [IVec3],
+    /// Of all of them, or none: one that faces away from a light has a full mask, without a triangle being looked at.
+    pub facings: &'a [Facing],
+}
+
+impl<'a> From<&'a [IVec3]> for LatticeReceivers<'a> {
+    fn from(points: &'a [IVec3]) -> Self {
+        Self { points, facings: &[] }
+    }
+}
+
+impl<'a> From<&'a Vec<IVec3>> for LatticeReceivers<'a> {
+    fn from(points: &'a Vec<IVec3>) -> Self {
+        Self { points, facings: &[] }
+    }
+}
+
+impl<'a, const N: usize> From<&'a [IVec3; N]> for LatticeReceivers<'a> {
+    fn from(points: &'a [IVec3; N]) -> Self {
+        Self { points, facings: &[] }
+    }
 }

@@ -106,6 +106,7 @@ pub(crate) struct Buffers {
     triangle_order: Buffer,
     occluders: Buffer,
     nodes: Buffer,
+    pub(crate) facings: Option<Buffer>,
     receiver_keys: Buffer,
     receiver_order: Buffer,
     spare_order: Buffer,
@@ -140,6 +141,7 @@ impl Buffers {
             occluders: fit.of::<[[i32; 4]; 3]>("triangles in order", triangles)?,
             nodes: fit.of::<KeyTile>("nodes", plan.levels().tiles() as u64)?,
             receivers: fit.of::<[i32; 3]>("receivers", receivers)?,
+            facings: if facts.facing { Some(fit.of::<u32>("facings", receivers)?) } else { None },
             receiver_keys: fit.of::<[f32; 5]>("keys of receivers", u64::from(block))?,
             receiver_order: fit.of::<[u32; 2]>("order of receivers", u64::from(block))?,
             spare_order: fit.of::<[u32; 2]>("order", u64::from(sorted))?,
@@ -176,6 +178,7 @@ impl Buffers {
             // Dispatches name these only where they are asked for.
             Role::Counts => self.counts.as_ref().unwrap_or(&self.masks),
             Role::LitCounts => self.lit.as_ref().unwrap_or(&self.masks),
+            Role::Facings => self.facings.as_ref().unwrap_or(&self.masks),
             Role::Weights => self.weights.as_ref().unwrap_or(&self.masks),
             Role::WeighedLight => self.weighed.as_ref().unwrap_or(&self.masks),
         }

@@ -74,6 +74,33 @@ macro_rules! keys {
 keys!(Params: key_triangles, key_receivers, order_triangles);
 keys!(PunctualParams: key_punctual_triangles, key_punctual_receivers, order_punctual_triangles);
 
+/// See `umbra4_core::kernel::settle_receivers`.
+#[spirv(compute(threads(64)))]
+pub fn settle_receivers(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &Params,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] facings: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] order: &mut [Entry],
+) {
+    let id = kernel::id(thread.to_array(), params);
+    kernel::settle_receivers::settle_receivers(id, params, receivers, facings, order);
+}
+
+/// See `umbra4_core::kernel::settle_receivers`.
+#[spirv(compute(threads(64)))]
+pub fn settle_punctual_receivers(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &PunctualParams,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] facings: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] order: &mut [Entry],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] masks: &mut [u32],
+) {
+    let id = kernel::id(thread.to_array(), params);
+    kernel::settle_receivers::settle_punctual_receivers(id, params, receivers, facings, order, masks);
+}
+
 /// See `umbra4_core::kernel::sort`.
 #[spirv(compute(threads(64)))]
 pub fn count_digits(

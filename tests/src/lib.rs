@@ -9,7 +9,7 @@
 //! | [`compare`] | are two results the same bits? |
 //! | [`scene`], [`scenes`], [`meshes`] | scenes in lattice integers, deterministic from a seed |
 //! | [`hard_cases`] | the named cases, each with what must hold beyond equality with the oracle |
-//! | [`hard_shadows`], [`weights`] | lights without extent; emissions |
+//! | [`hard_shadows`], [`weights`], [`facings`] | lights without extent; emissions; receivers that face some way |
 //! | [`gpu`], [`device`] | the executor on a GPU, for the suite; an engine's buffers and textures |
 //! | [`alone`] | one kernel alone, on a device and on the host |
 //! | [`suite`], [`ledger`] | one suite, instantiated per word width and executor, and its totals |
@@ -18,6 +18,7 @@ pub mod alone;
 pub mod bigint;
 pub mod compare;
 pub mod device;
+pub mod facings;
 pub mod gpu;
 pub mod hard_cases;
 pub mod hard_shadows;

@@ -1,9 +1,11 @@
-//! Lights without extent and emissions on a GPU, against the oracle. `UMBRA4_GPU` says which adapter must be there, see
+//! Lights without extent, emissions and receivers that face some way on a GPU, against the oracle. `UMBRA4_GPU` says which adapter must be there, see
 //! [`umbra4_tests::gpu::required`].
 
 use libtest_mimic::{Arguments, Failed, Trial};
-use umbra4_core::{LatticeLight, emission::Emission, glam::IVec3};
+use umbra4_core::{Facing, LatticeLight, Punctual, emission::Emission, glam::IVec3};
+use umbra4_cpu::CpuExecutor;
 use umbra4_tests::{
+    facings,
     gpu::{announced, scene},
     hard_shadows::property,
     ledger::say,
@@ -11,7 +13,7 @@ use umbra4_tests::{
     scenes::{EXPONENTS, GENERATORS, SampleGrid},
     weights::{expected, weights},
 };
-use umbra4_wgpu::{Gpu, GpuError, LatticeScene, WgpuExecutor};
+use umbra4_wgpu::{Gpu, GpuError, LatticeReceivers, LatticeScene, WgpuExecutor};
 
 /// Scenes of each generator.
 const ROUNDS: usize = 3;
@@ -64,12 +66,43 @@ fn emission(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
     Ok(())
 }
 
+/// Receivers that face some way: the processor's bits, of lights with an area and without.
+fn facing(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
+    let (_, generator) = GENERATORS.iter().find(|(n, _)| *n == name).ok_or("no such generator")?;
+    let mut rng = Rng::named(1, &format!("facing {name}"));
+    let (processor, mut away) = (CpuExecutor::new(), 0);
+    for (round, (rows, columns)) in GRIDS.into_iter().enumerate() {
+        let grid = SampleGrid::regular(rows, columns);
+        let grid = if round % 2 == 1 && rows * columns < 1024 { grid.jittered(&mut rng) } else { grid };
+        let inputs = generator(&mut rng, grid).inputs(EXPONENTS[round % EXPONENTS.len()]);
+        let normals = facings::normals(&mut rng, &inputs, &facings::samples(&inputs));
+        let receivers = inputs.receivers.clone().facing(&normals)?;
+        let given = LatticeReceivers { points: receivers.points(), facings: receivers.facings() };
+        let (masks, _) = executor.masks::<u64>(&scene(&inputs), &inputs.light, given)?;
+        let (wanted, _) = processor.masks::<u64>(&inputs.occluders, &inputs.light, &receivers)?;
+        assert_eq!(masks, wanted.words(), "{name}, {rows}×{columns}");
+        for lamp in [Punctual::point(inputs.light.sample(0, 0)), Punctual::direction(rng.point(1 << 12) | IVec3::X)] {
+            let lamp = lamp.ok_or("inside")?;
+            let (words, _) = executor.hard_shadows(&scene(&inputs), &lamp, given)?;
+            let (wanted, _) = processor.hard_shadows(&inputs.occluders, &lamp, &receivers)?;
+            assert_eq!(words, wanted.words(), "{name}, {lamp:?}");
+        }
+        let is_away = |(facing, p): (&Facing, &IVec3)| facing.is_away_from(&inputs.light, *p);
+        away += given.facings.iter().zip(given.points).filter(|pair| is_away(*pair)).count();
+    }
+    assert!(away > 0, "{name}: none faces away");
+    Ok(())
+}
+
 fn refusals(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
     let (_, generator) = GENERATORS.iter().find(|(n, _)| *n == name).ok_or("no such generator")?;
     let inputs = generator(&mut Rng::named(0, "refusals"), SampleGrid::regular(4, 8)).inputs(0);
     let other = Emission::new(8, 4, [[1; 3]; 32])?;
     let refused = executor.light(&scene(&inputs), &inputs.light, inputs.receivers.points(), &other);
     assert!(matches!(refused, Err(GpuError::EmissionSize { emission: [8, 4], light: [4, 8] })), "{refused:?}");
+    let few = LatticeReceivers { points: inputs.receivers.points(), facings: &[Facing::UNKNOWN] };
+    let refused = executor.lit_counts(&scene(&inputs), &inputs.light, few);
+    assert!(matches!(refused, Err(GpuError::FacingCount { facings: 1, .. })), "{refused:?}");
     // A light that reaches none: behind it all is dark, and no triangle is looked at.
     let back = LatticeLight { step_u: IVec3::X * 64, step_v: IVec3::Y * 64, origin: IVec3::ZERO, ..inputs.light };
     let behind = [IVec3::new(0, 0, -9), IVec3::new(5, 5, -1), IVec3::ZERO];
@@ -89,6 +122,7 @@ fn main() {
     for (name, _) in GENERATORS {
         checks.push((format!("hard_shadows::{name}"), hard_shadows, name));
         checks.push((format!("emission::{name}"), emission, name));
+        checks.push((format!("facing::{name}"), facing, name));
     }
     let executor = |gpu: Gpu| WgpuExecutor::new(gpu).with_block(BLOCK).with_counts(true).with_stage_times(true);
     let executor = std::sync::Arc::new(gpu.map(executor));

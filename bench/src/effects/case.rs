@@ -8,7 +8,7 @@ use umbra4_core::{
     glam::IVec3,
     snap::LIMIT,
 };
-use umbra4_cpu::{CpuExecutor, Occluders, Sides, Source, Statistics};
+use umbra4_cpu::{CpuExecutor, Occluders, Receivers, Sides, Source, Statistics};
 
 use crate::{
     compare::CompareError,
@@ -26,6 +26,8 @@ pub(super) enum Effect {
     Light(LatticeLight, Sides, Option<Emission<Vec<Weight>>>),
     /// The plain light, and a mesh that was arranged.
     Arranged(Occluders, LatticeLight),
+    /// The plain light, and receivers of which some face away.
+    Facing(Receivers, LatticeLight),
     Punctual(Punctual),
     /// A volume, exactly.
     Cloud(Cloud<Vec<IVec3>>),
@@ -72,6 +74,7 @@ pub(super) fn cases(scene: &Scene, problem: &Problem<'_>, occluders: &Occluders)
         columns,
         jitter: Jitter::NONE,
     };
+    let facing = problem.receivers.clone().facing(&problem.normals).map_err(ProblemError::from)?;
     let sphere = |samples| sphere(scene, problem, samples);
     let case = |name, effect| Case { name, effect };
     let plain = |light| Effect::Light(light, Sides::Front, None);
@@ -83,6 +86,7 @@ pub(super) fn cases(scene: &Scene, problem: &Problem<'_>, occluders: &Occluders)
         case("a disk", Effect::Light(light, Sides::Front, Some(disk))),
         case("both sides shine", Effect::Light(light, Sides::Both, None)),
         case("a mesh arranged before", Effect::Arranged(occluders.clone().arranged(), light)),
+        case("receivers that face some way", Effect::Facing(facing, light)),
         case("a point", Effect::Punctual(Punctual::point(middle).ok_or_else(nowhere)?)),
         case("a direction", Effect::Punctual(Punctual::direction(towards).ok_or_else(nowhere)?)),
         case("a sphere, 256 samples", Effect::Cloud(sphere(256)?)),
@@ -128,6 +132,9 @@ impl Effect {
                 (occluders, Source::Area { light: *light, sides: *sides, emission })
             }
             Self::Arranged(arranged, light) => (arranged, (*light).into()),
+            Self::Facing(receivers, light) => {
+                return Ok(executor.light_of(occluders, &(*light).into(), receivers)?.1);
+            }
             Self::Punctual(light) => (occluders, (*light).into()),
         };
         Ok(executor.light_of(occluders, &source, &problem.receivers)?.1)

@@ -20,6 +20,7 @@ use umbra4_core::{
         reduce::reduce,
         resolve::{DeviceWord, ReceiverCounts, resolve_counted},
         resolve_punctual::resolve_punctual_counted,
+        settle_receivers::{settle_punctual_receivers, settle_receivers},
         snap_receivers::{snap_depth, snap_position, upwards, upwards_of},
         snap_vertices::{snap_instances, snap_vertices},
         sort::{count_digits, scan_blocks, scatter_digits, sum_blocks},
@@ -98,6 +99,8 @@ check! { of Params:
     check_kernel_resolve_64 = resolve_regular::<PairWord, Fast>,
         (receivers: &[[i32; 3]], keys: &[Keys], order: &[Entry], occluders: &[Occluder], nodes: &[KeyTile],
         masks: &mut [u32], counts: &mut [ReceiverCounts]);
+    check_kernel_settle_receivers = settle_receivers,
+        (receivers: &[[i32; 3]], facings: &[u32], order: &mut [Entry]);
     check_kernel_reduce = reduce, (masks: &[u32], lit: &mut [u32]);
     check_kernel_weigh = weigh, (masks: &[u32], weights: &[PackedWeight], light: &mut [[u32; 3]]);
     check_kernel_pack = pack, (lit: &[u32], table: &[u32], image: &mut [u32]);
@@ -119,6 +122,8 @@ check! { of PunctualParams:
         (vertices: &[[i32; 3]], triangles: &[[u32; 3]], keys: &mut [Keys], order: &mut [Entry]);
     check_kernel_key_punctual_receivers = key_receivers,
         (receivers: &[[i32; 3]], keys: &mut [Keys], order: &mut [Entry]);
+    check_kernel_settle_punctual_receivers = settle_punctual_receivers,
+        (receivers: &[[i32; 3]], facings: &[u32], order: &mut [Entry], masks: &mut [u32]);
     check_kernel_order_punctual_triangles = order_triangles,
         (vertices: &[[i32; 3]], triangles: &[[u32; 3]], keys: &[Keys], order: &[Entry], occluders: &mut [Occluder],
         nodes: &mut [KeyTile]);

@@ -6,7 +6,7 @@ use umbra4_core::{
     glam::{IVec3, Vec3},
     jitter::{Pattern, Regular},
     keyed_mesh::{KeyedMesh, VertexKeys},
-    lanes::Sixteen,
+    lanes::Four,
     occluder::{Facing, Occluder},
     order::{CodeFrame, code},
     proj4::{KeyTile, Keys},
@@ -178,13 +178,13 @@ macro_rules! instantiate {
 
 // Pairs are words of GPUs, which have no lanes.
 instantiate! {
-    u16_exact: u16, Exact, in Sixteen;
-    u32_exact: u32, Exact, in Sixteen;
-    u64_exact: u64, Exact, in Sixteen;
+    u16_exact: u16, Exact, in Four;
+    u32_exact: u32, Exact, in Four;
+    u64_exact: u64, Exact, in Four;
     pair_exact: PairWord, Exact;
-    u16_fast: u16, Fast, in Sixteen;
-    u32_fast: u32, Fast, in Sixteen;
-    u64_fast: u64, Fast, in Sixteen;
+    u16_fast: u16, Fast, in Four;
+    u32_fast: u32, Fast, in Four;
+    u64_fast: u64, Fast, in Four;
     pair_fast: PairWord, Fast;
 }
 

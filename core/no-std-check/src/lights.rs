@@ -1,14 +1,14 @@
 //! Lights of other kinds than rectangles, on the host.
 
 use umbra4_core::{
-    AnyLight, DirectionalLight, EllipsoidLight, Exact, Fast, Lattice, LatticeLight, PointLight, Punctual,
+    AnyLight, DirectionalLight, EllipsoidLight, Exact, Facing, Fast, Lattice, LatticeLight, PointLight, Punctual,
     PunctualLightError, TubeLight, VolumeLightError,
     cloud::{Cloud, CloudError, CloudMask},
-    cloud_table::{CloudTable, TableError, TableSize},
+    cloud_table::{CloudTable, PlaneTable, TableError, TableSize},
     cloud_tiles::CloudTiles,
     emission::{Emission, EmissionError, Shape, Weight},
-    glam::{DVec3, IVec3},
-    lanes::Sixteen,
+    glam::{DVec3, IVec3, Vec3},
+    lanes::{Four, Sixteen},
     punctual_frame::PunctualFrame,
     shaft::{BoxTile, build_box_level},
     stage::{
@@ -24,6 +24,12 @@ pub extern "C" fn check_back(light: &LatticeLight, points: &[IVec3]) -> (AnyLigh
 }
 
 #[unsafe(no_mangle)]
+pub extern "C" fn check_facing(normal: Vec3, light: &LatticeLight, lamp: &Punctual, p: IVec3) -> [bool; 3] {
+    let facing = Facing::of(normal);
+    [facing.is_away_from(light, p), facing.is_away_from_punctual(*lamp, p), facing.is_away_from_box([p; 2], p)]
+}
+
+#[unsafe(no_mangle)]
 pub extern "C" fn check_point_light(position: DVec3, lattice: &Lattice) -> Result<[Punctual; 2], PunctualLightError> {
     Ok([PointLight { position }.snap(lattice)?, DirectionalLight { towards: position }.snap()?])
 }
@@ -35,7 +41,7 @@ pub extern "C" fn check_faces(light: &Punctual, p: IVec3, corners: &[IVec3; 3]) 
 
 #[unsafe(no_mangle)]
 pub extern "C" fn check_resolve_punctual(scene: &PunctualScene<'_>, group: &mut PunctualGroup) {
-    resolve_punctual::<Sixteen, Exact>(scene, group);
+    resolve_punctual::<Four, Exact>(scene, group);
     resolve_punctual::<f32, Fast>(scene, group);
 }
 
@@ -77,15 +83,12 @@ pub extern "C" fn check_box_level(id: usize, below: &[BoxTile]) -> BoxTile {
 
 #[unsafe(no_mangle)]
 pub extern "C" fn check_resolve_cloud(scene: &CloudScene<'_, CloudTiles<'_>>, group: &mut CloudGroup) {
-    resolve_cloud::<Sixteen, Exact, _>(scene, group);
+    resolve_cloud::<Four, Exact, _>(scene, group);
     resolve_cloud::<f32, Fast, _>(scene, group);
 }
 
 #[unsafe(no_mangle)]
-pub extern "C" fn check_resolve_cloud_by_table(
-    scene: &CloudScene<'_, CloudTable<'_, &[IVec3], &[u32]>>,
-    group: &mut CloudGroup,
-) {
+pub extern "C" fn check_resolve_cloud_by_table(scene: &CloudScene<'_, PlaneTable<'_>>, group: &mut CloudGroup) {
     resolve_cloud::<Sixteen, Fast, _>(scene, group);
 }
 
@@ -96,5 +99,6 @@ pub extern "C" fn check_cloud_table<'a>(
     room: &'a mut [u32],
 ) -> Result<CloudMask, TableError> {
     let table = CloudTable::new(cloud, size, room)?;
+    let _ = table.planes();
     Ok([table.size().distances; 32])
 }

@@ -34,6 +34,8 @@ pub enum Role {
     Nodes,
     /// Lattice positions of receivers.
     Receivers,
+    /// Which way all receivers face: words of [`crate::facing::Facing`].
+    Facings,
     /// Keys of a block's receivers.
     ReceiverKeys,
     /// A block's receivers along the curve.
@@ -134,6 +136,13 @@ pub fn dispatches<E>(
         Stage::KeyReceivers => {
             let kernel = if punctual { Kernel::KeyPunctualReceivers } else { Kernel::KeyReceivers };
             one(kernel, by_id, &[Role::Receivers, Role::ReceiverKeys, Role::ReceiverOrder])
+        }
+        Stage::SettleReceivers if punctual => {
+            let roles = [Role::Receivers, Role::Facings, Role::ReceiverOrder, Role::Masks];
+            one(Kernel::SettlePunctualReceivers, by_id, &roles)
+        }
+        Stage::SettleReceivers => {
+            one(Kernel::SettleReceivers, by_id, &[Role::Receivers, Role::Facings, Role::ReceiverOrder])
         }
         Stage::OrderReceivers => sort(pass.count, Role::ReceiverOrder, &mut one),
         Stage::Resolve | Stage::ResolvePunctual => {

@@ -3,6 +3,7 @@
 use glam::IVec3;
 
 use crate::{
+    facing::Facing,
     occluder::Occluder,
     order::CodeFrame,
     params::{Dispatched, Params, PassParams, PunctualParams},
@@ -20,6 +21,8 @@ pub trait LightParams: Dispatched {
     fn triangle(&self, corners: [IVec3; 3]) -> Option<(Keys, Occluder)>;
     /// Keys of a receiver; `None` where no triangle has to be looked at.
     fn receiver(&self, p: IVec3) -> Option<Keys>;
+    /// Whether the light is behind a receiver that faces so.
+    fn is_behind(&self, facing: Facing, p: IVec3) -> bool;
 }
 
 impl LightParams for Params {
@@ -41,6 +44,11 @@ impl LightParams for Params {
     #[inline(always)]
     fn receiver(&self, p: IVec3) -> Option<Keys> {
         key_receivers::keys_of(&self.frame(), &self.light(), p)
+    }
+
+    #[inline(always)]
+    fn is_behind(&self, facing: Facing, p: IVec3) -> bool {
+        facing.is_away_from(&self.light(), p)
     }
 }
 
@@ -67,5 +75,10 @@ impl LightParams for PunctualParams {
     #[inline(always)]
     fn receiver(&self, p: IVec3) -> Option<Keys> {
         if self.light().face_of(p)? == self.face() { Some(self.frame().receiver_keys(p)) } else { None }
+    }
+
+    #[inline(always)]
+    fn is_behind(&self, facing: Facing, p: IVec3) -> bool {
+        facing.is_away_from_punctual(self.light(), p)
     }
 }

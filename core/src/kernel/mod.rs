@@ -20,6 +20,7 @@ pub mod probe;
 pub mod reduce;
 pub mod resolve;
 pub mod resolve_punctual;
+pub mod settle_receivers;
 pub mod snap_receivers;
 pub mod snap_vertices;
 pub mod sort;

@@ -11,6 +11,8 @@ pub enum Kernel {
     KeyTriangles,
     /// [`super::key_receivers`].
     KeyReceivers,
+    /// [`super::settle_receivers::settle_receivers`].
+    SettleReceivers,
     /// [`super::sort::count_digits`].
     CountDigits,
     /// [`super::sort::sum_blocks`].
@@ -59,6 +61,8 @@ pub enum Kernel {
     KeyPunctualTriangles,
     /// [`super::key_receivers`], of a light without extent.
     KeyPunctualReceivers,
+    /// [`super::settle_receivers::settle_punctual_receivers`].
+    SettlePunctualReceivers,
     /// [`super::order_triangles`], of a light without extent.
     OrderPunctualTriangles,
     /// [`super::resolve_punctual`], certified.
@@ -148,6 +152,8 @@ pub enum Slot {
     Triangles,
     /// Lattice positions of receivers, i32 × 3.
     Receivers,
+    /// [`crate::facing::Facing`]s of receivers, as words.
+    Facings,
     /// [`crate::proj4::Keys`] of triangles or receivers.
     Keys,
     /// [`crate::order::Entry`]s of triangles or receivers.
@@ -325,9 +331,15 @@ const OWNED_DEPTHS: &[Bound] = &owned(texture(Slot::Depths), texture(Slot::Norma
 const OWNED_DEPTH_SAMPLES: &[Bound] = &owned(samples(Slot::Depths), samples(Slot::Normals), Access::IdSamples);
 
 /// All kernels.
-pub const TABLE: [KernelInfo; 50] = [
+pub const TABLE: [KernelInfo; 52] = [
     line(Kernel::KeyTriangles, "key_triangles", Stage::KeyTriangles, KEY_TRIANGLES),
     line(Kernel::KeyReceivers, "key_receivers", Stage::KeyReceivers, KEY_RECEIVERS),
+    line(
+        Kernel::SettleReceivers,
+        "settle_receivers",
+        Stage::SettleReceivers,
+        &[read(Slot::Receivers), read(Slot::Facings), write(Slot::Order)],
+    ),
     line(Kernel::CountDigits, "count_digits", Stage::OrderTriangles, &[read(Slot::Order), write(Slot::Counters)]),
     line(Kernel::SumBlocks, "sum_blocks", Stage::OrderTriangles, &[write(Slot::Counters)]),
     line(Kernel::ScanBlocks, "scan_blocks", Stage::OrderTriangles, &[write(Slot::Counters)]),
@@ -357,6 +369,12 @@ pub const TABLE: [KernelInfo; 50] = [
     jittered(Kernel::Resolve64FastJitteredCounted, "resolve_64_fast_jittered_counted", RESOLVE_COUNTED),
     punctual(Kernel::KeyPunctualTriangles, "key_punctual_triangles", Stage::KeyTriangles, KEY_TRIANGLES),
     punctual(Kernel::KeyPunctualReceivers, "key_punctual_receivers", Stage::KeyReceivers, KEY_RECEIVERS),
+    punctual(
+        Kernel::SettlePunctualReceivers,
+        "settle_punctual_receivers",
+        Stage::SettleReceivers,
+        &[read(Slot::Receivers), read(Slot::Facings), write(Slot::Order), write(Slot::Masks)],
+    ),
     punctual(Kernel::OrderPunctualTriangles, "order_punctual_triangles", Stage::OrderTriangles, ORDER_TRIANGLES),
     punctual(Kernel::ResolvePunctualExact, "resolve_punctual_exact", Stage::ResolvePunctual, RESOLVE),
     punctual(Kernel::ResolvePunctualFast, "resolve_punctual_fast", Stage::ResolvePunctual, RESOLVE),

@@ -37,6 +37,8 @@ pub enum Stage {
     FindSilhouette,
     /// Keys of every receiver; those behind the light are settled.
     KeyReceivers,
+    /// Receivers that face away from the light ([`crate::facing`]): their masks are full.
+    SettleReceivers,
     /// Receivers along the curve of [`crate::order`], in groups of sixteen.
     OrderReceivers,
     /// Masks of a group of receivers.
@@ -81,6 +83,8 @@ pub enum Binding {
     Nodes,
     /// What [`resolve_silhouette::SilhouetteScene`] holds.
     Silhouette,
+    /// [`crate::facing::Facing`]s of all receivers.
+    Facings,
     /// Keys and code of every receiver.
     ReceiverKeys,
     /// Receivers in order.
@@ -121,7 +125,7 @@ pub struct StageInfo {
 use Binding as B;
 
 /// All stages, in the order in which data flows.
-pub const TABLE: [StageInfo; 16] = [
+pub const TABLE: [StageInfo; 17] = [
     StageInfo {
         stage: Stage::SnapVertices,
         name: "snap_vertices",
@@ -175,6 +179,14 @@ pub const TABLE: [StageInfo; 16] = [
         name: "key_receivers",
         id: "receiver",
         reads: &[B::Receivers],
+        writes: &[B::ReceiverKeys],
+        workgroup: 64,
+    },
+    StageInfo {
+        stage: Stage::SettleReceivers,
+        name: "settle_receivers",
+        id: "receiver",
+        reads: &[B::Receivers, B::Facings],
         writes: &[B::ReceiverKeys],
         workgroup: 64,
     },

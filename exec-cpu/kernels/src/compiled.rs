@@ -3,7 +3,7 @@
 use umbra4_core::{
     MaskWord, PrecisionMode,
     cloud_pair::SampleTest,
-    lanes::Sixteen,
+    lanes::Four,
     stage::{
         resolve::{Group, Occlusion},
         resolve_cells::CellScene,
@@ -90,15 +90,15 @@ stage! {
 stage! {
     resolve_cells::resolve_cell<W: MaskWord, P: PrecisionMode>(
         scene: &CellScene<'_>, list: &[u32], group: &mut Group<W>
-    ), portable: Sixteen
+    ), portable: Four
 }
 stage! {
     resolve_punctual::resolve_punctual<P: PrecisionMode>(
         scene: &PunctualScene<'_>, group: &mut PunctualGroup
-    ), portable: Sixteen
+    ), portable: Four
 }
 stage! {
     resolve_cloud::resolve_cloud<P: PrecisionMode, T: SampleTest>(
         scene: &CloudScene<'_, T>, group: &mut CloudGroup
-    ), portable: Sixteen
+    ), portable: Four
 }

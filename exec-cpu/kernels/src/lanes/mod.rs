@@ -1,4 +1,4 @@
-//! Sixteen lanes on each instruction set.
+//! Lanes of each instruction set.
 
 #[cfg(target_arch = "x86_64")]
 pub(crate) mod avx2;
@@ -11,17 +11,18 @@ pub(crate) mod neon;
 
 use umbra4_core::{
     jitter::{Pattern, Regular, Samples},
-    lanes::{Lanes, Sixteen},
+    lanes::{Four, Lanes},
 };
 
-/// What portable kernels are made of, for samples that lie so. Sixteen lanes of jittered ones take compilers minutes.
+/// What portable kernels are made of, for samples that lie so. More lanes, and four of jittered ones, take compilers
+/// minutes.
 pub(crate) trait Portable: Samples {
     /// Its lanes.
     type Lanes: Lanes;
 }
 
 impl Portable for Regular {
-    type Lanes = Sixteen;
+    type Lanes = Four;
 }
 
 impl Portable for Pattern {
