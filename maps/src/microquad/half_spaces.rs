@@ -24,10 +24,8 @@ use crate::{
 
 /// A mask word as a table holds it.
 pub trait TableWord: MaskWord {
-    /// Words of 32 bits.
-    const WORDS: u32;
-    /// Row `index` of a table.
-    fn load(table: &[u32], index: usize) -> Self;
+    /// Row `index` of a table, in which each takes `words` words of 32 bits: 1, or 2 where the light has more columns.
+    fn load(table: &[u32], index: usize, words: usize) -> Self;
 }
 
 #[inline(always)]
@@ -36,39 +34,33 @@ fn word(table: &[u32], index: usize) -> u32 {
 }
 
 impl TableWord for u16 {
-    const WORDS: u32 = 1;
-
     #[inline(always)]
-    fn load(table: &[u32], index: usize) -> Self {
+    fn load(table: &[u32], index: usize, _: usize) -> Self {
         word(table, index) as Self
     }
 }
 
 impl TableWord for u32 {
-    const WORDS: u32 = 1;
-
     #[inline(always)]
-    fn load(table: &[u32], index: usize) -> Self {
+    fn load(table: &[u32], index: usize, _: usize) -> Self {
         word(table, index)
     }
 }
 
 #[cfg(not(target_arch = "spirv"))]
 impl TableWord for u64 {
-    const WORDS: u32 = 2;
-
     #[inline(always)]
-    fn load(table: &[u32], index: usize) -> Self {
-        Self::from(word(table, 2 * index)) | Self::from(word(table, 2 * index + 1)) << 32
+    fn load(table: &[u32], index: usize, words: usize) -> Self {
+        let PairWord { low, high } = PairWord::load(table, index, words);
+        Self::from(low) | Self::from(high) << 32
     }
 }
 
 impl TableWord for PairWord {
-    const WORDS: u32 = 2;
-
     #[inline(always)]
-    fn load(table: &[u32], index: usize) -> Self {
-        Self { low: word(table, 2 * index), high: word(table, 2 * index + 1) }
+    fn load(table: &[u32], index: usize, words: usize) -> Self {
+        let first = words * index;
+        Self { low: word(table, first), high: if words > 1 { word(table, first + 1) } else { 0 } }
     }
 }
 
@@ -102,7 +94,7 @@ pub fn fill<W: TableWord>(a: Arithmetic, params: &MicroquadParams, table: &[u32]
     if hull.count == 0 {
         return;
     }
-    let rows = params.rows();
+    let (rows, words) = (params.rows(), params.table.y as usize);
     let [p, q, r, s] = hull.corners;
     // What lies beside the light blocks nothing, though lines of the table that stand for its edges might.
     let [low, high] = light(params);
@@ -118,10 +110,10 @@ pub fn fill<W: TableWord>(a: Arithmetic, params: &MicroquadParams, table: &[u32]
     let last = if hull.count == 4 { first(s, p) } else { edges[2] };
     let mut row = 0;
     while row < rows as usize {
-        let three =
-            W::load(table, edges[0] + row).and(W::load(table, edges[1] + row)).and(W::load(table, edges[2] + row));
+        let load = |first: usize| W::load(table, first + row, words);
+        let inside = load(edges[0]).and(load(edges[1])).and(load(edges[2])).and(load(last));
         let place = row % mask.len();
-        mask[place] = mask[place].or(three.and(W::load(table, last + row)));
+        mask[place] = mask[place].or(inside);
         row += 1;
     }
 }
