@@ -68,6 +68,9 @@ pub enum ExecutorError {
         /// Rows and columns of the light.
         light: [u32; 2],
     },
+    /// Options of microquad soft shadow mapping are refused.
+    #[error(transparent)]
+    Microquads(#[from] umbra4_maps::microquad::MicroquadError),
     /// One of many lights is refused.
     #[error("lights[{index}]: {source}")]
     Light {

@@ -47,7 +47,8 @@ impl Statistics {
         self.add_seconds(stage.info().name, time.as_secs_f64());
     }
 
-    fn add_seconds(&mut self, name: &'static str, more: f64) {
+    /// Adds seconds to a stage, which may be none of the table's.
+    pub(crate) fn add_seconds(&mut self, name: &'static str, more: f64) {
         match self.seconds_by_stage.iter_mut().find(|(n, _)| *n == name) {
             Some((_, seconds)) => *seconds += more,
             None => self.seconds_by_stage.push((name, more)),

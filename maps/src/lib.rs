@@ -4,8 +4,20 @@
 //!
 //! - [`microquad`]: Schwarz, Stamminger, "Microquad Soft Shadow Mapping Revisited", 2008.
 //! - [`stochastic`]: Liktor, Spassov, Mückl, Dachsbacher, "Stochastic Soft Shadow Mapping", 2015.
+//!
+//! [`Technique`] is the switch between them and the exact system.
 #![no_std]
 #![forbid(unsafe_code)]
 
+pub mod arithmetic;
+pub mod draw;
+pub mod kernel;
 pub mod microquad;
+pub mod pyramid;
+pub mod shadow_map;
 pub mod stochastic;
+#[cfg(not(target_arch = "spirv"))]
+pub mod technique;
+
+#[cfg(not(target_arch = "spirv"))]
+pub use technique::Technique;

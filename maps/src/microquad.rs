@@ -1,1 +1,0 @@
-//! Micro-occluders made of one shadow map.
