@@ -217,4 +217,4 @@ pub fn params(options: &MicroquadOptions, light: &LatticeLight, tangents: &Tange
 }
 
 // Vectors of four, and nothing between them.
-const _: () = assert!(size_of::<MicroquadParams>() % size_of::<IVec4>() == 0);
+const _: () = assert!(size_of::<MicroquadParams>().is_multiple_of(size_of::<IVec4>()));

@@ -165,10 +165,9 @@ fn write_with<S: Samples>(light: &LatticeLight, samples: &S, [along, across, dis
             let x = (f64::from(place.column) - middle[0]) / half[0];
             let y = (f64::from(place.row) - middle[1]) / half[1];
             let beyond = along * x + across * y - distance;
-            if beyond > 0.0 || beyond == 0.0 && with_line {
-                if let Some(word) = words.get_mut(column as usize / 32) {
-                    *word |= 1 << (column % 32);
-                }
+            let is_beyond = beyond > 0.0 || beyond == 0.0 && with_line;
+            if is_beyond && let Some(word) = words.get_mut(column as usize / 32) {
+                *word |= 1 << (column % 32);
             }
         }
     }

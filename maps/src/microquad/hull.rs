@@ -47,7 +47,8 @@ pub fn of_four(a: Arithmetic, corners: [Point; 4]) -> Hull {
         area = doubled_area(a, v[0], v[1], v[2]);
         turn += 1;
     }
-    if !(area > 0.0 || area < 0.0) {
+    // NaN is no area either.
+    if area == 0.0 || area.is_nan() {
         return Hull::default();
     }
     let [p, q, r, d] = if area > 0.0 { v } else { [v[0], v[2], v[1], v[3]] };
