@@ -12,6 +12,7 @@ use umbra4_core::{
     stage::{Stage, reduce},
 };
 use umbra4_cpu_kernels::Detected;
+use umbra4_maps::stochastic::StochasticError;
 
 use crate::{
     CpuWord, HardShadows, Index, Isa, Masks, Occluders, Receivers, Statistics,
@@ -68,6 +69,9 @@ pub enum ExecutorError {
         /// Rows and columns of the light.
         light: [u32; 2],
     },
+    /// Options of a stochastic soft shadow map are refused.
+    #[error(transparent)]
+    Stochastic(#[from] StochasticError),
     /// One of many lights is refused.
     #[error("lights[{index}]: {source}")]
     Light {

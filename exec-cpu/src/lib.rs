@@ -11,6 +11,7 @@ mod grid;
 mod hard_shadows;
 mod hierarchy;
 mod lights;
+pub mod maps;
 mod masks;
 mod morton;
 mod neighbours;
