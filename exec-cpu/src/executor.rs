@@ -12,6 +12,7 @@ use umbra4_core::{
     stage::{Stage, reduce},
 };
 use umbra4_cpu_kernels::Detected;
+use umbra4_maps::stochastic::StochasticError;
 
 use crate::{
     CpuWord, HardShadows, Index, Isa, Masks, Occluders, Receivers, Statistics,
@@ -71,6 +72,12 @@ pub enum ExecutorError {
     /// Options of microquad soft shadow mapping are refused.
     #[error(transparent)]
     Microquads(#[from] umbra4_maps::microquad::MicroquadError),
+    /// Options of a stochastic soft shadow map are refused.
+    #[error(transparent)]
+    Stochastic(#[from] StochasticError),
+    /// The technique gives visibility alone.
+    #[error("a stochastic soft shadow map has no masks: ask for visibility")]
+    NoMasks,
     /// One of many lights is refused.
     #[error("lights[{index}]: {source}")]
     Light {

@@ -29,7 +29,7 @@ mod word;
 
 pub use cloud_masks::CloudMasks;
 pub use executor::{CpuExecutor, ExecutorError};
-pub use from_maps::ShadowMap;
+pub use from_maps::{ShadowMap, StochasticShadows};
 pub use grid::{Binning, GridOptions, Index};
 pub use hard_shadows::HardShadows;
 pub use lights::{Lit, Sides, Source};

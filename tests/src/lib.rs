@@ -7,7 +7,7 @@
 //! | [`bigint`] | the same rule in big integers: checks the oracle |
 //! | [`second_oracle`] | the masks on the unsnapped world coordinates, exactly: checks the snap |
 //! | [`compare`] | are two results the same bits? |
-//! | [`scene`], [`scenes`], [`meshes`] | scenes in lattice integers, deterministic from a seed |
+//! | [`scene`], [`scenes`], [`meshes`], [`grids`] | scenes in lattice integers or world floats, deterministic |
 //! | [`hard_cases`] | the named cases, each with what must hold beyond equality with the oracle |
 //! | [`hard_shadows`], [`weights`], [`facings`] | lights without extent; emissions; receivers that face some way |
 //! | [`gpu`], [`device`] | the executor on a GPU, for the suite; an engine's buffers and textures |
@@ -20,6 +20,7 @@ pub mod compare;
 pub mod device;
 pub mod facings;
 pub mod gpu;
+pub mod grids;
 pub mod hard_cases;
 pub mod hard_shadows;
 pub mod ledger;

@@ -9,7 +9,7 @@ impl CpuExecutor {
     /// The masks of all receivers, by the technique of choice.
     ///
     /// # Errors
-    /// Those of [`CpuExecutor::masks`], or of [`CpuExecutor::microquad_masks`].
+    /// Those of [`CpuExecutor::masks`], or of [`CpuExecutor::microquad_masks`]; a technique that has no masks.
     pub fn masks_by<W: CpuWord + TableWord>(
         &self,
         technique: &Technique,
@@ -20,6 +20,7 @@ impl CpuExecutor {
         match technique {
             Technique::Exact => self.masks(occluders, light, receivers),
             Technique::Microquads(options) => self.microquad_masks(options, occluders, light, receivers),
+            Technique::Stochastic(_) => Err(ExecutorError::NoMasks),
         }
     }
 
@@ -42,7 +43,8 @@ impl CpuExecutor {
     /// ```
     ///
     /// # Errors
-    /// Those of [`CpuExecutor::visibility`], or of [`CpuExecutor::microquad_visibility`].
+    /// Those of [`CpuExecutor::visibility`], of [`CpuExecutor::microquad_visibility`], or of
+    /// [`CpuExecutor::stochastic_shadows`].
     pub fn visibility_by(
         &self,
         technique: &Technique,
@@ -53,6 +55,10 @@ impl CpuExecutor {
         match technique {
             Technique::Exact => self.visibility(occluders, light, receivers),
             Technique::Microquads(options) => self.microquad_visibility(options, occluders, light, receivers),
+            Technique::Stochastic(options) => {
+                let shadows = self.stochastic_shadows(occluders, light, receivers, options)?;
+                Ok((shadows.visibility, shadows.statistics))
+            }
         }
     }
 }

@@ -1,0 +1,170 @@
+//! The nearest hit of a ray (section 7.1): what the paper leaves to a ray tracer, or to stochastic rasterisation.
+//!
+//! A triangle is held against a ray by its corners' places around the ray, each at its own depth: the ray is sheared onto the d axis, and what
+//! remains is a point in a triangle in the plane. No corner is divided by its depth, so that nothing has to be clipped, and neighbours see
+//! a shared edge with opposite signs of one product: no ray slips between them.
+
+use glam::{IVec3, Vec3};
+
+use crate::stochastic::{
+    params::LensParams,
+    slice::fetch,
+    strata,
+    thin_lens::Ray,
+    tree::{CHILDREN, Tree},
+};
+
+/// Corners of a triangle, light frame.
+pub type Corners = [[f32; 3]; 3];
+
+/// The box around some triangles, light frame: least and largest coordinates.
+pub type Node = [f32; 6];
+
+/// The box around nothing.
+pub const NOTHING: Node = [f32::MAX, f32::MAX, f32::MAX, -f32::MAX, -f32::MAX, -f32::MAX];
+
+/// A triangle that is not there: no ray hits it.
+pub const NOWHERE: Corners = [[0.0; 3]; 3];
+
+/// The depth of a ray that hits nothing.
+pub const MISS: f32 = f32::MAX;
+
+/// The corners of triangle `id`.
+#[inline(always)]
+pub fn corners(id: usize, params: &LensParams, vertices: &[[i32; 3]], triangles: &[[u32; 3]]) -> Corners {
+    let indices = fetch(triangles, id, [u32::MAX; 3]);
+    let missing = |index: u32| index as usize >= vertices.len();
+    if missing(indices[0]) || missing(indices[1]) || missing(indices[2]) {
+        return NOWHERE;
+    }
+    let placed = |index: u32| {
+        let p = fetch(vertices, index as usize, [0; 3]);
+        let p = params.place(IVec3::new(p[0], p[1], p[2]));
+        [p.x, p.y, p.z]
+    };
+    [placed(indices[0]), placed(indices[1]), placed(indices[2])]
+}
+
+/// The box around both.
+#[inline(always)]
+pub fn union(a: Node, b: Node) -> Node {
+    [a[0].min(b[0]), a[1].min(b[1]), a[2].min(b[2]), a[3].max(b[3]), a[4].max(b[4]), a[5].max(b[5])]
+}
+
+/// Node `id` of level 0: the box around four triangles.
+#[inline(always)]
+pub fn leaf(id: usize, params: &LensParams, placed: &[Corners]) -> Node {
+    let mut node = NOTHING;
+    let mut child = 0;
+    while child < CHILDREN as usize {
+        let triangle = id * CHILDREN as usize + child;
+        if triangle < params.triangles as usize {
+            let corners = fetch(placed, triangle, NOWHERE);
+            let mut corner = 0;
+            while corner < 3 {
+                let p = corners[corner];
+                node = union(node, [p[0], p[1], p[2], p[0], p[1], p[2]]);
+                corner += 1;
+            }
+        }
+        child += 1;
+    }
+    node
+}
+
+/// Node `id` of a level above: the box around its children.
+#[inline(always)]
+pub fn parent(id: usize, level: u32, tree: &Tree, nodes: &[Node]) -> Node {
+    let (start, count) = (tree.start(level - 1), tree.count(level - 1));
+    let mut node = NOTHING;
+    let mut child = 0;
+    while child < CHILDREN {
+        let below = id as u32 * CHILDREN + child;
+        if below < count {
+            node = union(node, fetch(nodes, (start + below) as usize, NOTHING));
+        }
+        child += 1;
+    }
+    node
+}
+
+/// Whether a ray may meet a box at a depth in `near..best`. Never false where it does: the box is grown by more than what rounding
+/// moves a point of the ray.
+#[inline(always)]
+pub fn meets(node: &Node, ray: &Ray, near: f32, best: f32) -> bool {
+    let low = node[2].max(near);
+    let high = node[5].min(best);
+    if low > high {
+        return false;
+    }
+    let (a, b) = (ray.at(low), ray.at(high));
+    let room = 1e-5 * (1.0 + a.x.abs().max(b.x.abs()).max(a.y.abs()).max(b.y.abs()));
+    a.x.min(b.x) - room <= node[3]
+        && a.x.max(b.x) + room >= node[0]
+        && a.y.min(b.y) - room <= node[4]
+        && a.y.max(b.y) + room >= node[1]
+}
+
+/// The depth at which a ray meets a triangle, or [`MISS`]. Both sides of a triangle stop rays; one that is seen edge-on stops none.
+#[inline(always)]
+pub fn hit(corners: &Corners, ray: &Ray) -> f32 {
+    let around = |p: [f32; 3]| {
+        let at = ray.at(p[2]);
+        Vec3::new(p[0] - at.x, p[1] - at.y, p[2])
+    };
+    let (a, b, c) = (around(corners[0]), around(corners[1]), around(corners[2]));
+    let (of_a, of_b, of_c) = (cross(b, c), cross(c, a), cross(a, b));
+    let inside = (of_a >= 0.0 && of_b >= 0.0 && of_c >= 0.0) || (of_a <= 0.0 && of_b <= 0.0 && of_c <= 0.0);
+    let sum = of_a + of_b + of_c;
+    if inside && sum != 0.0 { (of_a * a.z + of_b * b.z + of_c * c.z) / sum } else { MISS }
+}
+
+#[inline(always)]
+fn cross(a: Vec3, b: Vec3) -> f32 {
+    a.x * b.y - a.y * b.x
+}
+
+/// The depth of the nearest hit of texel `id`, or [`MISS`]. A walk through the tree without a stack: from a node down, or to the
+/// next, and up where there is none.
+#[inline(always)]
+pub fn nearest(id: usize, params: &LensParams, tree: &Tree, placed: &[Corners], nodes: &[Node]) -> f32 {
+    let (column, row) = (id as u32 % params.size.max(1), id as u32 / params.size.max(1));
+    let ray = params.lens().ray(column, row, strata::light_position(column, row, params.seed));
+    let mut best = MISS;
+    if tree.levels == 0 {
+        return best;
+    }
+    let mut level = tree.levels - 1;
+    let mut node = 0;
+    loop {
+        let found = fetch(nodes, (tree.start(level) + node) as usize, NOTHING);
+        let within = meets(&found, &ray, params.near, best);
+        if within && level > 0 {
+            level -= 1;
+            node *= CHILDREN;
+            continue;
+        }
+        if within {
+            let mut child = 0;
+            while child < CHILDREN {
+                let triangle = node * CHILDREN + child;
+                if triangle < params.triangles {
+                    let depth = hit(&fetch(placed, triangle as usize, NOWHERE), &ray);
+                    if depth >= params.near && depth < best {
+                        best = depth;
+                    }
+                }
+                child += 1;
+            }
+        }
+        node += 1;
+        while level + 1 < tree.levels && (node % CHILDREN == 0 || node >= tree.count(level)) {
+            // The parent's next sibling.
+            node = node / CHILDREN + (node % CHILDREN != 0) as u32;
+            level += 1;
+        }
+        if level + 1 >= tree.levels && node >= tree.count(level) {
+            return best;
+        }
+    }
+}
