@@ -254,6 +254,21 @@ fn surfaces_do_not_shadow_themselves() {
     }
 }
 
+/// As in the exact system: whoever is known to look away from the light sees none of it.
+#[test]
+fn receivers_that_face_away_are_dark() {
+    let lit = spheres(1, 4);
+    let light = lamp(&lit, 8, 8, Jitter::NONE);
+    let points = [Vec3::new(1.5, 0.5, 1.5); 2];
+    let receivers = Receivers::raw(&lit.lattice, &points).and_then(|r| r.facing(&[Vec3::Y, Vec3::NEG_Y]));
+    let receivers = receivers.expect("they are inside");
+    let (executor, options) = (CpuExecutor::new(), MicroquadOptions::default());
+    let (seen, _) = executor.microquad_visibility(&options, &lit.occluders, &light, &receivers).expect("it runs");
+    assert_eq!(seen, [1.0, 0.0]);
+    let masks = executor.microquad_masks::<u16>(&options, &lit.occluders, &light, &receivers).expect("it runs").0;
+    assert_eq!(masks.words(), [[0; 8], [0xff; 8]].concat());
+}
+
 #[test]
 fn refusals_reach_the_caller() {
     let lit = spheres(1, 4);

@@ -224,9 +224,12 @@ impl CpuExecutor {
         let (map, mut statistics) = self.shadow_map(options, occluders, light, receivers)?;
         let start = Instant::now();
         self.install(|| {
-            let points = receivers.points().par_iter().with_min_len(PART);
-            words.par_chunks_exact_mut(rows).zip(points).for_each(|(out, p)| {
-                out.copy_from_slice(&map.mask::<W>(*p)[..rows]);
+            words.par_chunks_exact_mut(rows).enumerate().with_min_len(PART).for_each(|(index, out)| {
+                if receivers.facing_of(index).is_away_from(light, receivers.points()[index]) {
+                    out.fill(W::below(light.columns));
+                } else {
+                    out.copy_from_slice(&map.mask::<W>(receivers.points()[index])[..rows]);
+                }
             });
         });
         statistics.add_seconds("gather", start.elapsed().as_secs_f64());
@@ -247,7 +250,8 @@ impl CpuExecutor {
     ) -> Result<(Vec<f32>, Statistics), ExecutorError> {
         let (map, mut statistics) = self.shadow_map(options, occluders, light, receivers)?;
         let start = Instant::now();
-        let seen = |p: &IVec3| match light.columns {
+        let seen = |(index, p): (usize, &IVec3)| match light.columns {
+            _ if receivers.facing_of(index).is_away_from(light, *p) => 0.0,
             _ if options.footprint == Footprint::Area => {
                 let mut area = ByArea::default();
                 map.gather(*p, &mut area);
@@ -257,7 +261,8 @@ impl CpuExecutor {
             17..=32 => lit::<u32>(light, &map.mask(*p)),
             _ => lit::<u64>(light, &map.mask(*p)),
         };
-        let visibility = self.install(|| receivers.points().par_iter().with_min_len(PART).map(seen).collect());
+        let visibility =
+            self.install(|| receivers.points().par_iter().enumerate().with_min_len(PART).map(seen).collect());
         statistics.add_seconds("gather", start.elapsed().as_secs_f64());
         Ok((visibility, statistics))
     }
