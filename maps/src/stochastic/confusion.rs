@@ -40,7 +40,7 @@ pub fn covers(rectangular: bool, half: Vec2, x: f32, y: f32) -> bool {
 pub fn coverage(rectangular: bool, half: Vec2, x: f32, y: f32, texel: f32) -> f32 {
     if rectangular {
         let (x, y) = ((half.x - x.abs()) / texel + 0.5, (half.y - y.abs()) / texel + 0.5);
-        x.max(0.0).min(1.0) * y.max(0.0).min(1.0)
+        x.clamp(0.0, 1.0) * y.clamp(0.0, 1.0)
     } else if covers(false, half, x, y) {
         1.0
     } else {

@@ -50,7 +50,7 @@ impl Gathered {
 #[inline(always)]
 pub fn coarse_share(radius: f32) -> f32 {
     let reach = RADIUS as f32;
-    ((radius - 0.4 * reach) / (0.1 * reach)).max(0.0).min(1.0)
+    ((radius - 0.4 * reach) / (0.1 * reach)).clamp(0.0, 1.0)
 }
 
 /// The share that a level keeps; the coarsest keeps all.

@@ -194,7 +194,7 @@ impl LensParams {
     /// Depth as it is filtered, in −1..=1.
     #[inline(always)]
     pub fn z(&self, depth: f32) -> f32 {
-        ((depth - self.zero) * self.depth_scale - 1.0).max(-1.0).min(1.0)
+        ((depth - self.zero) * self.depth_scale - 1.0).clamp(-1.0, 1.0)
     }
 
     /// Whether a flag is set.

@@ -24,7 +24,7 @@ pub const MERGED: u32 = 4;
 #[inline(always)]
 pub fn tiles_across(params: &LensParams, level: u32) -> u32 {
     let size = params.level_size(level);
-    size / TILE + (size % TILE != 0) as u32
+    size.div_ceil(TILE)
 }
 
 /// Where the tiles of a level start among those of all.

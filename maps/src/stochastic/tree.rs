@@ -24,7 +24,7 @@ impl Tree {
         let mut below = triangles;
         let mut end = 0_u32;
         while (levels as usize) < MOST_LEVELS && (below > 1 || (levels == 0 && below > 0)) {
-            below = below / CHILDREN + (below % CHILDREN != 0) as u32;
+            below = below.div_ceil(CHILDREN);
             starts[levels as usize] = end;
             end = end.wrapping_add(below);
             levels += 1;
