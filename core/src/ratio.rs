@@ -1,9 +1,12 @@
 //! A fraction of two counts as the bits of a pixel, in integers: the same bits on every processor, whatever its division does.
 
-/// The largest denominator: counts up to it are exact in f32.
+/// The largest denominator of all formats: counts up to it are exact in f32.
 pub const MOST_WHOLE: u32 = 1 << 24;
 
-/// The binary digits of `part / whole`, `0 < part < whole ≤` [`MOST_WHOLE`], rounded to the nearest float, halves to even: of a float with
+/// What denominators of floats are below.
+pub const MOST_FLOAT: u32 = 1 << 31;
+
+/// The binary digits of `part / whole`, `0 < part < whole <` [`MOST_FLOAT`], rounded to the nearest float, halves to even: of a float with
 /// `digits` digits, its leading one included, whose normal numbers begin at `2^least`.
 #[inline(always)]
 fn float(part: u32, whole: u32, digits: u32, least: i32) -> u32 {
@@ -15,6 +18,10 @@ fn float(part: u32, whole: u32, digits: u32, least: i32) -> u32 {
     // Below the normal numbers digits are fewer.
     let missing = if exponent < least { least - exponent } else { 0 };
     rest -= whole;
+    if missing >= digits as i32 {
+        // Half of the least float rounds to even, 0; above it lies 1, below it 0.
+        return (missing == digits as i32 && rest > 0) as u32;
+    }
     let (mut quotient, mut k) = (1, 1);
     while k < digits as i32 - missing {
         rest <<= 1;

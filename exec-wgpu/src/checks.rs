@@ -2,16 +2,19 @@
 
 use std::num::NonZero;
 
-use umbra4_core::{accumulate::most_frames, gbuffer::ViewParams, glam::Mat4, mesh::MeshParams, snap::SnapParams};
+use umbra4_core::{
+    AnyLight, accumulate::most_frames, gbuffer::ViewParams, glam::Mat4, kernel::weigh::PackedWeight, mesh::MeshParams,
+    snap::SnapParams,
+};
 use wgpu::{
-    Buffer, BufferUsages, Device, IndexFormat, TextureDimension, TextureFormat, TextureSampleType, TextureUsages,
-    TextureView,
+    Buffer, BufferUsages, Device, IndexFormat, Texture, TextureDimension, TextureFormat, TextureSampleType,
+    TextureUsages, TextureView,
 };
 
 use crate::{
     GpuError,
-    frame::{GBuffer, History, Image, Light, Mesh, Surface},
-    image::VisibilityFormat,
+    frame::{Emitted, GBuffer, History, Image, Light, LightImage, Mesh, Surface},
+    image::{LightFormat, VisibilityFormat},
     recorder::Resource,
 };
 
@@ -370,14 +373,7 @@ pub(crate) fn image(
                     "R8Unorm, R16Float or R32Float is needed",
                 );
             };
-            let usage = texture.usage();
-            let usable = usage.contains(TextureUsages::COPY_DST);
-            check(usable, &field, "usage", format!("{usage:?}"), "it needs COPY_DST")?;
-            let size = format!("{} × {}", texture.width(), texture.height());
-            let fits = texture.width() == width && texture.height() == height && texture.sample_count() == 1;
-            check(fits, &field, "size", size, "it has to be as large as the G-buffer, with one sample")?;
-            let layered = texture.dimension() == TextureDimension::D2 && *layer < texture.depth_or_array_layers();
-            check(layered, &field, "layer", layer, "the texture has no such layer")?;
+            target(texture, *layer, [width, height], &field)?;
             Ok(known)
         }
         Image::Buffer { buffer, format } => {
@@ -394,6 +390,86 @@ pub(crate) fn image(
             Ok(*format)
         }
     }
+}
+
+/// A layer of a texture that an image is copied to.
+fn target(texture: &Texture, layer: u32, [width, height]: [u32; 2], field: &str) -> Result<(), GpuError> {
+    let usage = texture.usage();
+    let usable = usage.contains(TextureUsages::COPY_DST);
+    check(usable, field, "usage", format!("{usage:?}"), "it needs COPY_DST")?;
+    let size = format!("{} × {}", texture.width(), texture.height());
+    let fits = texture.width() == width && texture.height() == height && texture.sample_count() == 1;
+    check(fits, field, "size", size, "it has to be as large as the G-buffer, with one sample")?;
+    let layered = texture.dimension() == TextureDimension::D2 && layer < texture.depth_or_array_layers();
+    check(layered, field, "layer", layer, "the texture has no such layer")
+}
+
+/// A light's emission as kernels take it.
+pub(crate) struct CheckedEmission {
+    pub(crate) weights: Resource,
+    /// Where sums go, where they are asked for.
+    pub(crate) sums: Option<Resource>,
+    /// Format of the texture, where there is one.
+    pub(crate) format: Option<LightFormat>,
+}
+
+/// The first `bytes` bytes of a buffer, which holds `what`; `needs` says what it is to be large enough for.
+fn beginning(
+    device: &Device,
+    buffer: &Buffer,
+    bytes: u64,
+    [field, name]: [&str; 2],
+    [what, needs]: [&'static str; 2],
+) -> Result<Resource, GpuError> {
+    let usage = buffer.usage();
+    check(usage.contains(BufferUsages::STORAGE), field, name, format!("{usage:?}"), "its usage needs STORAGE")?;
+    let size = format!("{} bytes long", buffer.size());
+    check(buffer.size() >= bytes, field, name, size, needs)?;
+    let limit = device.limits().max_storage_buffer_binding_size;
+    match NonZero::new(bytes) {
+        Some(bytes) if bytes.get() <= limit => Ok(Resource::Part(buffer.clone(), 0, bytes)),
+        _ => Err(GpuError::TooLarge { what, bytes, limit }),
+    }
+}
+
+/// What samples emit, and where the light goes.
+pub(crate) fn emission(
+    device: &Device,
+    emission: &Emitted<'_>,
+    light: &AnyLight,
+    size: [u32; 2],
+    field: &str,
+) -> Result<CheckedEmission, GpuError> {
+    let field = format!("{field}.emission");
+    if matches!(light, AnyLight::Punctual(_)) {
+        return refuse(field, "given", "the light has no extent: it has no samples to be weighed");
+    }
+    let Emitted { weights, light: image } = emission;
+    let bytes = u64::from(light.sample_count()) * size_of::<PackedWeight>() as u64;
+    let fits = "a weight for every sample does not fit it";
+    let weights_part = beginning(device, weights, bytes, [&field, "weights"], ["weights of samples", fits])?;
+    let (sums, format) = match image {
+        LightImage::Sums(buffer) => {
+            check(buffer != weights, &field, "light", "the buffer of the weights", "it has to be another")?;
+            let bytes = u64::from(size[0]) * u64::from(size[1]) * size_of::<[u32; 3]>() as u64;
+            let fits = "three u32 for every pixel do not fit it";
+            (Some(beginning(device, buffer, bytes, [&field, "light"], ["an image of light", fits])?), None)
+        }
+        LightImage::Texture { texture, layer } => {
+            let field = format!("{field}.light");
+            let format = texture.format();
+            let Some(known) = LightFormat::of(format) else {
+                return refuse(
+                    format!("{field}.format"),
+                    format!("{format:?}"),
+                    "Rgba16Float or Rgba32Float is needed",
+                );
+            };
+            target(texture, *layer, size, &field)?;
+            (None, Some(known))
+        }
+    };
+    Ok(CheckedEmission { weights: weights_part, sums, format })
 }
 
 /// Where masks of `stride` words of 32 bits go.
@@ -425,7 +501,7 @@ pub(crate) fn light_field(index: usize) -> String {
 
 /// Whether a light asks for anything.
 pub(crate) fn asks(light: &Light<'_>) -> bool {
-    light.visibility.is_some() || light.masks.is_some()
+    light.visibility.is_some() || light.masks.is_some() || light.emission.is_some()
 }
 
 /// Pixels of an image.

@@ -14,6 +14,7 @@ use umbra4_core::{
         resolve::{ReceiverCounts, stride},
         weigh::{PackedWeight, packed},
     },
+    light::MAX_SAMPLES,
     proj4::NODE,
     stage::reduce,
 };
@@ -27,6 +28,9 @@ use crate::{
     stages::{BLOCK, Buffers, SMALLEST_SLICE, block, mask_layout, narrowest, slice},
     timing::Timing,
 };
+
+/// Samples of a light, at most.
+const MOST_SAMPLES: u64 = MAX_SAMPLES as u64 * MAX_SAMPLES as u64;
 
 /// Runs the stages on a GPU.
 ///
@@ -287,7 +291,12 @@ impl WgpuExecutor {
         let bounds = bounds(scene.vertices.iter().chain(points));
         let results = loop {
             let layout = layout(slice);
-            let buffers = Buffers::fit(scratch, device, &plan, &layout, scene.vertices.len() as u32)?;
+            let mut buffers = Buffers::fit(scratch, device, &plan, &layout, scene.vertices.len() as u32)?;
+            if asked.weights.is_some() {
+                let weights = scratch.fit::<PackedWeight>(device, "weights", MOST_SAMPLES)?;
+                let sums = scratch.fit::<[u32; 3]>(device, "weighed light", points.len() as u64)?;
+                buffers.emission = Some([(&weights).into(), (&sums).into()]);
+            }
             let mut host = Host::new(&self.gpu, asked, layout.stride);
             host.upload(&buffers, scene, receivers)?;
             recorder.restart();

@@ -166,7 +166,8 @@ impl From<DirectionalLight> for Lamp {
     }
 }
 
-/// A light, and where its shadows go.
+/// A light, and where its shadows go. [`Light::new`] asks for nothing, and the rest is what a literal adds to it:
+/// `Light { visibility: Some(image), ..Light::new(lamp) }`.
 #[derive(Clone, Copy, Debug)]
 pub struct Light<'a> {
     /// The light.
@@ -179,6 +180,50 @@ pub struct Light<'a> {
     pub masks: Option<&'a Buffer>,
     /// Accumulates visibility over frames, each with another [`umbra4_core::Jitter`]: noise converges to what all samples tell.
     pub history: Option<History<'a>>,
+    /// What samples emit, of a light with an area, where that is not the same for all: a coloured texture, a disk, a stencil. Pixels
+    /// get sums over their lit samples. Visibility, masks and history do not change by it.
+    pub emission: Option<Emitted<'a>>,
+    /// Whether it gives light only to what faces it: a pixel whose surface, by [`GBuffer::normals`], has the whole light behind it is
+    /// dark, and no triangle is looked at for it. Worth its while where shading drops light from behind anyway, since pixels in
+    /// the shade of their own object cost most. The test is that of [`umbra4_core::Facing`]; at [`Resolution::Half`] a block
+    /// faces where the pixel does that stands for it.
+    pub only_facing: bool,
+}
+
+impl Light<'_> {
+    /// A light that asks for nothing yet.
+    pub fn new(lamp: impl Into<Lamp>) -> Self {
+        Self { lamp: lamp.into(), visibility: None, masks: None, history: None, emission: None, only_facing: false }
+    }
+}
+
+/// What a light's samples emit, and where the light that pixels get goes. It is read when the frame runs: an engine may write other
+/// weights for every frame, without touching anything else.
+#[derive(Clone, Copy, Debug)]
+pub struct Emitted<'a> {
+    /// A weight for every sample, row by row, two words of 32 bits each: red in the low half of the first, green in its high
+    /// half, blue in the low half of the second ([`umbra4_core::kernel::weigh::packed`] makes them of
+    /// [`umbra4_core::emission::Emission::weights`]). The buffer's usage has `STORAGE`.
+    pub weights: &'a Buffer,
+    /// Where the light goes.
+    pub light: LightImage<'a>,
+}
+
+/// The light that pixels get from one light: sums of the weights of the samples that they see. 0 where nothing is seen.
+#[derive(Clone, Copy, Debug)]
+pub enum LightImage<'a> {
+    /// A layer of a texture of format `Rgba16Float` or `Rgba32Float`, as large as the G-buffer, whose usage has `COPY_DST`. Sums are
+    /// divided by what they would be if all samples were lit and emitted [`umbra4_core::emission::WHOLE`], and rounded to the nearest:
+    /// 0 to 1 in red, green and blue, and an alpha of 1.
+    Texture {
+        /// The texture.
+        texture: &'a Texture,
+        /// Its layer.
+        layer: u32,
+    },
+    /// A buffer whose usage has `STORAGE`, other than that of the weights: the sums themselves, each below 2^28. Three u32 a pixel (red,
+    /// green, blue), pixels row by row with nothing between them: in WGSL an `array<u32>`, since those of `vec3u` have a stride of 16.
+    Sums(&'a Buffer),
 }
 
 /// What earlier frames have left of a light's visibility.

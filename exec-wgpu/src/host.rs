@@ -68,7 +68,7 @@ impl<'a> Host<'a> {
             (&buffers.triangles, bytemuck::cast_slice(scene.triangles)),
             (&buffers.receivers, bytemuck::cast_slice(receivers.points)),
         ];
-        let weights = buffers.weights.as_ref().zip(self.asked.weights);
+        let weights = buffers.emission.as_ref().and_then(|[weights, _]| weights.buffer()).zip(self.asked.weights);
         let weights = weights.map(|(buffer, weights)| (buffer, bytemuck::cast_slice(weights)));
         let facings = buffers.facings.as_ref().map(|buffer| (buffer, bytemuck::cast_slice(receivers.facings)));
         guarded(device, "uploads a scene", || {
@@ -91,7 +91,7 @@ impl<'a> Host<'a> {
             let stopped = copy(device, &mut encoder, &buffers.masks, buffers.stopped(), word);
             let lit = buffers.lit.as_ref().filter(|_| asked.visibility);
             let lit = lit.map(|lit| copy(device, &mut encoder, lit, 0, receivers * word));
-            let weighed = buffers.weighed.as_ref();
+            let weighed = buffers.emission.as_ref().and_then(|[_, sums]| sums.buffer());
             let weighed = weighed.map(|weighed| copy(device, &mut encoder, weighed, 0, receivers * 3 * word));
             queue.submit([encoder.finish()]);
             (stopped, lit, weighed)

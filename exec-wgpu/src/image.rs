@@ -1,7 +1,7 @@
 //! Formats of visibility, and the table of lit counts in each.
 
 use half::f16;
-use umbra4_core::stage::reduce::visibility;
+use umbra4_core::{kernel::pack_light::CHANNELS, stage::reduce::visibility};
 use wgpu::TextureFormat;
 
 /// Format of a pixel of visibility, 0 to 1.
@@ -13,6 +13,39 @@ pub enum VisibilityFormat {
     Float16,
     /// IEEE single precision.
     Float32,
+}
+
+/// Format of a pixel of light: red, green, blue and alpha.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LightFormat {
+    /// IEEE half precision.
+    Float16,
+    /// IEEE single precision.
+    Float32,
+}
+
+impl LightFormat {
+    /// The format of a texture's pixels, where it is one.
+    pub(crate) fn of(format: TextureFormat) -> Option<Self> {
+        match format {
+            TextureFormat::Rgba16Float => Some(Self::Float16),
+            TextureFormat::Rgba32Float => Some(Self::Float32),
+            _ => None,
+        }
+    }
+
+    /// Channels of a word of 32 bits.
+    pub(crate) fn channels_a_word(self) -> u32 {
+        match self {
+            Self::Float16 => 2,
+            Self::Float32 => 1,
+        }
+    }
+
+    /// Words of 32 bits of a row of `width` pixels.
+    pub(crate) fn words(self, width: u32) -> u32 {
+        width * (CHANNELS / self.channels_a_word())
+    }
 }
 
 impl VisibilityFormat {

@@ -25,7 +25,10 @@ mod told;
 
 pub use error::{GpuError, guarded};
 pub use executor::WgpuExecutor;
-pub use frame::{Frame, GBuffer, History, Image, Indices, Instances, Lamp, Light, Mesh, Resolution, Surface, Vertices};
+pub use frame::{
+    Emitted, Frame, GBuffer, History, Image, Indices, Instances, Lamp, Light, LightImage, Mesh, Resolution, Surface,
+    Vertices,
+};
 pub use gpu::{AdapterReport, Choice, Gpu, adapters};
 pub use image::VisibilityFormat;
 pub use modules::{code, manifest};

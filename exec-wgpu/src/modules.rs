@@ -50,6 +50,7 @@ modules! {
     Reduce: "reduce",
     Weigh: "weigh",
     Pack: "pack",
+    PackLight: "pack_light",
     Accumulate: "accumulate",
     SnapVertices: "snap_vertices",
     SnapInstances: "snap_instances",
@@ -63,8 +64,12 @@ modules! {
     SnapOwnedPositionSamples: "snap_owned_position_samples",
     SnapOwnedDepths: "snap_owned_depths",
     SnapOwnedDepthSamples: "snap_owned_depth_samples",
+    FacePixels: "face_pixels",
+    FacePixelSamples: "face_pixel_samples",
     Thin: "thin",
+    ThinFacings: "thin_facings",
     Upsample: "upsample",
+    UpsampleLight: "upsample_light",
     Probe: "probe",
 }
 

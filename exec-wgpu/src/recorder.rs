@@ -52,6 +52,14 @@ impl From<&Buffer> for Resource {
 }
 
 impl Resource {
+    /// Where it lies, unless it is a texture.
+    pub(crate) fn buffer(&self) -> Option<&Buffer> {
+        match self {
+            Self::Buffer(buffer) | Self::Part(buffer, ..) => Some(buffer),
+            Self::Texture(_) => None,
+        }
+    }
+
     fn binding(&self) -> BindingResource<'_> {
         match self {
             Self::Buffer(buffer) => buffer.as_entire_binding(),

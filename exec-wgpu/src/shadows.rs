@@ -7,7 +7,12 @@ use umbra4_core::{
     gbuffer::ViewParams,
     glam::IVec3,
     half::halved,
-    kernel::{Kernel, dispatch::MaskLayout, status::Status},
+    kernel::{
+        Kernel,
+        dispatch::{MaskLayout, Reduction},
+        pack_light::whole,
+        status::Status,
+    },
     mesh::MeshParams,
     params::{Params, PassParams},
     snap::SnapParams,
@@ -19,16 +24,16 @@ use wgpu::{
 
 use crate::{
     GpuError, Loading,
-    checks::{self, CheckedMesh, CheckedView},
+    checks::{self, CheckedEmission, CheckedMesh, CheckedView},
     error::guarded,
-    frame::{Frame, History, Image, Lamp, Light, Resolution},
+    frame::{Emitted, Frame, History, Image, Lamp, Light, LightImage, Resolution},
     gpu::check_limits,
     image::VisibilityFormat,
     light_run::{LightRun, all_faces},
     readback::{copy, read},
     recorder::{Recorder, Resource},
     scratch::Scratch,
-    stages::{BLOCK, Buffers, Ends, SMALLEST_SLICE, block, mask_layout, narrowest},
+    stages::{BLOCK, Buffers, Ends, FACINGS, SMALLEST_SLICE, block, mask_layout, narrowest},
     timing::{Timing, seconds},
 };
 
@@ -69,12 +74,7 @@ const PITCH: u32 = wgpu::COPY_BYTES_PER_ROW_ALIGNMENT / 4;
 ///             sample: 0,
 ///         },
 ///         resolution: Resolution::Full,
-///         lights: &[Light {
-///             lamp: lamp.into(),
-///             visibility: Some(Image::Texture { texture: visibility, layer: 0 }),
-///             masks: None,
-///             history: None,
-///         }],
+///         lights: &[Light { visibility: Some(Image::Texture { texture: visibility, layer: 0 }), ..Light::new(lamp) }],
 ///     })?;
 ///     Ok(())
 /// }
@@ -107,6 +107,8 @@ pub struct Snapped {
     pub receivers: Buffer,
     /// How many there are.
     pub receiver_count: u32,
+    /// Which way its receivers face, words of [`umbra4_core::Facing`], where a light asks for that; the usage has `COPY_SRC`.
+    pub facings: Option<Buffer>,
     /// Its lights, those that ask for something.
     pub lights: Vec<AnyLight>,
 }
@@ -234,10 +236,13 @@ impl SoftShadows {
         for (layout, facts) in &planned {
             self.fit(facts, layout, checked)?;
         }
+        let facings = self.facings(frame, checked)?;
         let mut snapped = None;
         for (k, (own, (layout, facts))) in checked.lights.iter().zip(planned).enumerate() {
             let light = &frame.lights[own.index];
-            let buffers = self.fit(&facts, &layout, checked)?;
+            let mut buffers = self.fit(&facts, &layout, checked)?;
+            let weighed = self.weighed(checked, own)?;
+            buffers.emission = own.emission.as_ref().map(|own| own.weights.clone()).zip(weighed).map(Into::into);
             if k == 0 {
                 self.recorder.clear(&buffers.masks, buffers.stopped());
             }
@@ -249,6 +254,7 @@ impl SoftShadows {
                 checked,
                 status: &self.status,
                 pixels: pixels.as_ref(),
+                facings: &facings,
                 masks: light.masks,
                 stride: layout.stride,
             };
@@ -256,31 +262,45 @@ impl SoftShadows {
             run.record(&mut self.recorder, &buffers, &mut ends)?;
             if let (Some(image), Some(format), Some(lit)) = (&light.visibility, own.format, &buffers.lit) {
                 let lit = match &pixels {
-                    Some(pixels) => &self.upsample(checked, pixels, &buffers.receivers, lit)?,
-                    None => lit,
+                    Some(pixels) => {
+                        let upsampled =
+                            self.scratch.fit::<u32>(&self.device, "upsampled", u64::from(checked.pixels))?;
+                        let bound = [pixels.into(), (&buffers.receivers).into(), lit.into(), (&upsampled).into()];
+                        self.upsample(Kernel::Upsample, checked, &bound)?;
+                        upsampled
+                    }
+                    None => lit.clone(),
                 };
                 let history = light.history.as_ref();
-                self.pack(image, format, own.light.sample_count(), checked.view.size, lit, history)?;
+                self.pack(image, format, own.light.sample_count(), checked.view.size, &lit, history)?;
+            }
+            if let (Some(emitted), Some([_, sums])) = (&light.emission, &buffers.emission) {
+                let thinned = pixels.as_ref().map(|pixels| [pixels, &buffers.receivers]);
+                self.give_light(checked, own, emitted, thinned, sums)?;
             }
             if self.slice == SMALLEST_SLICE {
                 let place = offset_of!(Status, stopped) as u64;
                 let size = size_of::<u32>() as u64;
                 self.recorder.copy((&buffers.masks, buffers.stopped()), (&self.status, place), size);
             }
-            snapped = Some(checked.snapped(&buffers));
+            snapped = Some(checked.snapped(&buffers, facings.first()));
         }
         Ok(snapped)
     }
 
     /// How a light is resolved, and what has to run for it; the first brings the frame to the lattice.
     fn plan(&self, frame: &Frame<'_>, checked: &Checked, own: &CheckedLight, first: bool) -> (MaskLayout, SceneFacts) {
+        let light = &frame.lights[own.index];
+        let reduction = Reduction::of(light.visibility.is_some(), light.emission.is_some());
         let layout = own.layout(self.precision, self.slice);
+        let layout = MaskLayout { reduction: reduction.unwrap_or_default(), ..layout };
         let facts = SceneFacts {
             new_vertices: if first { checked.vertices } else { 0 },
             triangles: checked.triangles,
             receivers: checked.receivers,
             world_receivers: first,
-            visibility: frame.lights[own.index].visibility.is_some(),
+            visibility: reduction.is_some(),
+            facing: light.only_facing,
             block: block(&layout, BLOCK),
             jittered: matches!(own.light, AnyLight::Area(light) if light.jitter.is_some()),
             punctual: matches!(own.light, AnyLight::Punctual(_)),
@@ -293,20 +313,78 @@ impl SoftShadows {
         Buffers::fit(&mut self.scratch, &self.device, &Plan::new(*facts), layout, checked.vertices)
     }
 
-    /// Lit counts of all pixels from those of the blocks that have a receiver.
-    fn upsample(
+    /// Where facings go, if a light asks for them: those of receivers, and those of pixels where these are more.
+    fn facings(&mut self, frame: &Frame<'_>, checked: &Checked) -> Result<Vec<Buffer>, GpuError> {
+        let mut facings = Vec::new();
+        if checked.lights.iter().any(|own| frame.lights[own.index].only_facing) {
+            // The name is that of the buffer that kernels are bound to.
+            facings.push(self.scratch.fit::<u32>(&self.device, FACINGS, u64::from(checked.receivers))?);
+            if checked.thinned {
+                facings.push(self.scratch.fit::<u32>(&self.device, "facings of pixels", u64::from(checked.pixels))?);
+            }
+        }
+        Ok(facings)
+    }
+
+    /// All pixels' from those of the blocks that have a receiver. `bound` is what the kernel is bound to.
+    fn upsample(&mut self, kernel: Kernel, checked: &Checked, bound: &[Resource]) -> Result<(), GpuError> {
+        let params = ViewParams { count: checked.pixels, ..checked.view.params };
+        self.recorder.set_stage(Stage::Reduce);
+        self.recorder.add(kernel, params, bound)
+    }
+
+    /// Where the sums of weights of a light's receivers go, where it has an emission: to the engine, unless there is more to be done.
+    fn weighed(&mut self, checked: &Checked, own: &CheckedLight) -> Result<Option<Resource>, GpuError> {
+        match &own.emission {
+            None => Ok(None),
+            Some(CheckedEmission { sums: Some(sums), .. }) if !checked.thinned => Ok(Some(sums.clone())),
+            Some(_) => {
+                let count = u64::from(checked.receivers);
+                Ok(Some((&self.scratch.fit::<[u32; 3]>(&self.device, "weighed light", count)?).into()))
+            }
+        }
+    }
+
+    /// Sums of the weights of receivers to where the engine wants them. `thinned`: pixels, and the receivers that stand for them.
+    fn give_light(
         &mut self,
         checked: &Checked,
-        pixels: &Buffer,
-        receivers: &Buffer,
-        lit: &Buffer,
-    ) -> Result<Buffer, GpuError> {
-        let upsampled = self.scratch.fit::<u32>(&self.device, "upsampled", u64::from(checked.pixels))?;
-        let params = ViewParams { count: checked.pixels, ..checked.view.params };
-        let bound = [pixels.into(), receivers.into(), lit.into(), (&upsampled).into()];
+        own: &CheckedLight,
+        emitted: &Emitted<'_>,
+        thinned: Option<[&Buffer; 2]>,
+        weighed: &Resource,
+    ) -> Result<(), GpuError> {
+        let mut light = weighed.clone();
+        if let Some([pixels, receivers]) = thinned {
+            light = match own.emission.as_ref().and_then(|emission| emission.sums.clone()) {
+                Some(sums) => sums,
+                None => {
+                    let count = u64::from(checked.pixels);
+                    (&self.scratch.fit::<[u32; 3]>(&self.device, "upsampled light", count)?).into()
+                }
+            };
+            let bound = [pixels.into(), receivers.into(), weighed.clone(), light.clone()];
+            self.upsample(Kernel::UpsampleLight, checked, &bound)?;
+        }
+        let format = own.emission.as_ref().and_then(|emission| emission.format);
+        let (LightImage::Texture { texture, layer }, Some(format)) = (&emitted.light, format) else { return Ok(()) };
+        let [width, height] = checked.view.size;
+        let pitch = format.words(width).next_multiple_of(PITCH);
+        let words = u64::from(pitch) * u64::from(height);
+        let target = self.scratch.fit::<u32>(&self.device, "image of light", words)?;
+        let pass = PassParams {
+            count: pitch * height,
+            width,
+            pitch,
+            texels: format.channels_a_word(),
+            elements: whole(own.light.sample_count()),
+            ..PassParams::default()
+        };
+        let params = <Params as bytemuck::Zeroable>::zeroed();
         self.recorder.set_stage(Stage::Reduce);
-        self.recorder.add(Kernel::Upsample, params, &bound)?;
-        Ok(upsampled)
+        self.recorder.add(Kernel::PackLight, params.with_pass(&pass), &[light, (&target).into()])?;
+        self.recorder.copy_image(&target, 4 * pitch, texture, *layer);
+        Ok(())
     }
 
     /// Lit counts, or their sums over frames, to an image.
@@ -395,6 +473,7 @@ struct CheckedLight {
     index: usize,
     light: AnyLight,
     format: Option<VisibilityFormat>,
+    emission: Option<CheckedEmission>,
 }
 
 /// A light on the lattice.
@@ -425,6 +504,10 @@ impl CheckedLight {
             index,
             light: snapped,
             format: image.map(|image| checks::image(device, image, view.size, &field)).transpose()?,
+            emission: match &light.emission {
+                Some(emitted) => Some(checks::emission(device, emitted, &snapped, view.size, &field)?),
+                None => None,
+            },
         };
         let all = view.size.map(u64::from);
         checks::history(light, snapped.sample_count(), all[0] * all[1], &field)?;
@@ -467,7 +550,7 @@ impl Checked {
         })
     }
 
-    fn snapped(&self, buffers: &Buffers) -> Snapped {
+    fn snapped(&self, buffers: &Buffers, facings: Option<&Buffer>) -> Snapped {
         Snapped {
             vertices: buffers.vertices.clone(),
             vertex_count: self.vertices,
@@ -475,6 +558,7 @@ impl Checked {
             triangle_count: self.triangles,
             receivers: buffers.receivers.clone(),
             receiver_count: self.receivers,
+            facings: facings.cloned(),
             lights: self.lights.iter().map(|own| own.light).collect(),
         }
     }
@@ -486,11 +570,20 @@ struct Engine<'a> {
     status: &'a Buffer,
     /// Receivers of all pixels, where those that are resolved are fewer.
     pixels: Option<&'a Buffer>,
+    /// Of receivers, and of all pixels where these are more; none where no light asks for them.
+    facings: &'a [Buffer],
     masks: Option<&'a Buffer>,
     stride: u32,
 }
 
 impl Engine<'_> {
+    /// Facings of `count` pixels from `first` on.
+    fn face_pixels(&self, recorder: &mut Recorder, facings: &Buffer, first: u32, count: u32) -> Result<(), GpuError> {
+        let view = &self.checked.view;
+        let kernel = if view.multisampled { Kernel::FacePixelSamples } else { Kernel::FacePixels };
+        recorder.add(kernel, ViewParams { first, count, ..view.params }, &[view.normals.clone(), facings.into()])
+    }
+
     /// Receivers of `count` pixels from `first` on.
     fn snap_pixels(
         &self,
@@ -559,6 +652,9 @@ impl Ends for Engine<'_> {
         count: u32,
     ) -> Result<(), GpuError> {
         let Some(pixels) = self.pixels else {
+            if let Some(facings) = self.facings.first() {
+                self.face_pixels(recorder, facings, first, count)?;
+            }
             return self.snap_pixels(recorder, buffers, &buffers.receivers, first, count);
         };
         if first > 0 {
@@ -567,7 +663,12 @@ impl Ends for Engine<'_> {
         // All of them at once: rows of blocks need two rows of pixels.
         self.snap_pixels(recorder, buffers, pixels, 0, self.checked.pixels)?;
         let params = ViewParams { count: self.checked.receivers, ..self.checked.view.params };
-        recorder.add(Kernel::Thin, params, &[pixels.into(), (&buffers.receivers).into()])
+        recorder.add(Kernel::Thin, params, &[pixels.into(), (&buffers.receivers).into()])?;
+        if let [thinned, all] = self.facings {
+            self.face_pixels(recorder, all, 0, self.checked.pixels)?;
+            recorder.add(Kernel::ThinFacings, params, &[pixels.into(), all.into(), thinned.into()])?;
+        }
+        Ok(())
     }
 
     fn block(&mut self, recorder: &mut Recorder, buffers: &Buffers, first: u32, count: u32) -> Result<(), GpuError> {

@@ -6,9 +6,7 @@ use umbra4_core::{
         Kernel,
         dispatch::{self, MaskLayout, Reduction, Role, dispatches},
         resolve::{ReceiverCounts, stride},
-        weigh::PackedWeight,
     },
-    light::MAX_SAMPLES,
     precision::Precision,
     proj4::{KeyTile, NODE},
     stage::Stage,
@@ -24,8 +22,6 @@ use crate::{
 
 /// Bytes that the masks of a block take, at most.
 const MASK_BYTES: u64 = 64 << 20;
-/// Samples of a light, at most.
-const MOST_SAMPLES: u64 = MAX_SAMPLES as u64 * MAX_SAMPLES as u64;
 /// Receivers of a block, at most.
 pub(crate) const BLOCK: u32 = 1 << 20;
 /// Triangles that a dispatch looks at, at first: lavapipe ends loops after 65,535 rounds.
@@ -35,6 +31,9 @@ pub(crate) const fn slice(software: bool) -> u32 {
 
 /// Those of one node: a dispatch cannot look at fewer.
 pub(crate) const SMALLEST_SLICE: u32 = NODE as u32;
+
+/// The buffer of facings.
+pub(crate) const FACINGS: &str = "facings";
 
 /// How masks with rows in words of `bits` bits are computed and stored.
 pub(crate) fn mask_layout(light: &AnyLight, bits: u32, precision: Precision, counted: bool, slice: u32) -> MaskLayout {
@@ -100,8 +99,8 @@ pub(crate) struct Buffers {
     pub(crate) masks: Buffer,
     pub(crate) counts: Option<Buffer>,
     pub(crate) lit: Option<Buffer>,
-    pub(crate) weights: Option<Buffer>,
-    pub(crate) weighed: Option<Buffer>,
+    /// Of an emission: the weights, and where their sums go. Whoever asks for sums brings them.
+    pub(crate) emission: Option<[Resource; 2]>,
     triangle_keys: Buffer,
     triangle_order: Buffer,
     occluders: Buffer,
@@ -131,7 +130,6 @@ impl Buffers {
         let masked = if facts.punctual { receivers } else { u64::from(block) };
         // One more word says whether a thread was stopped.
         let masks = masked * u64::from(layout.stride) + 1;
-        let weighed = layout.reduction == Reduction::WeighedLight;
         let mut fit = Fit { scratch, device };
         Ok(Self {
             vertices: fit.of::<[i32; 3]>("vertices", u64::from(vertices))?,
@@ -141,16 +139,18 @@ impl Buffers {
             occluders: fit.of::<[[i32; 4]; 3]>("triangles in order", triangles)?,
             nodes: fit.of::<KeyTile>("nodes", plan.levels().tiles() as u64)?,
             receivers: fit.of::<[i32; 3]>("receivers", receivers)?,
-            facings: if facts.facing { Some(fit.of::<u32>("facings", receivers)?) } else { None },
+            facings: if facts.facing { Some(fit.of::<u32>(FACINGS, receivers)?) } else { None },
             receiver_keys: fit.of::<[f32; 5]>("keys of receivers", u64::from(block))?,
             receiver_order: fit.of::<[u32; 2]>("order of receivers", u64::from(block))?,
             spare_order: fit.of::<[u32; 2]>("order", u64::from(sorted))?,
             counters: fit.of::<u32>("counters", dispatch::counters(sorted))?,
             masks: fit.of::<u32>("masks", masks)?,
             counts: if layout.counted { Some(fit.of::<ReceiverCounts>("counts", masked)?) } else { None },
-            lit: if facts.visibility && !weighed { Some(fit.of::<u32>("lit counts", receivers)?) } else { None },
-            weights: if weighed { Some(fit.of::<PackedWeight>("weights", MOST_SAMPLES)?) } else { None },
-            weighed: if weighed { Some(fit.of::<[u32; 3]>("weighed light", receivers)?) } else { None },
+            lit: match facts.visibility && layout.reduction.counts() {
+                true => Some(fit.of::<u32>("lit counts", receivers)?),
+                false => None,
+            },
+            emission: None,
         })
     }
 }
@@ -161,8 +161,8 @@ impl Buffers {
         self.masks.size() - size_of::<u32>() as u64
     }
 
-    fn of(&self, role: Role) -> &Buffer {
-        match role {
+    fn of(&self, role: Role) -> Resource {
+        let buffer = match role {
             Role::Vertices => &self.vertices,
             Role::Triangles => &self.triangles,
             Role::TriangleKeys => &self.triangle_keys,
@@ -179,9 +179,13 @@ impl Buffers {
             Role::Counts => self.counts.as_ref().unwrap_or(&self.masks),
             Role::LitCounts => self.lit.as_ref().unwrap_or(&self.masks),
             Role::Facings => self.facings.as_ref().unwrap_or(&self.masks),
-            Role::Weights => self.weights.as_ref().unwrap_or(&self.masks),
-            Role::WeighedLight => self.weighed.as_ref().unwrap_or(&self.masks),
-        }
+            Role::Weights | Role::WeighedLight => match &self.emission {
+                Some([weights, _]) if role == Role::Weights => return weights.clone(),
+                Some([_, sums]) => return sums.clone(),
+                None => &self.masks,
+            },
+        };
+        buffer.into()
     }
 }
 
@@ -258,7 +262,7 @@ impl<E: Ends> Executor for Stages<'_, E> {
             Stage::SnapVertices => ends.snap_vertices(recorder, buffers)?,
             Stage::SnapReceivers => ends.snap_receivers(recorder, buffers, pass.first, pass.count)?,
             _ => dispatches(plan, layout, pass, &mut |dispatch| {
-                let bound: Vec<Resource> = dispatch.roles.iter().map(|role| buffers.of(*role).into()).collect();
+                let bound: Vec<Resource> = dispatch.roles.iter().map(|role| buffers.of(*role)).collect();
                 told.record(recorder, dispatch, &bound)
             })?,
         }

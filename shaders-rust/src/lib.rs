@@ -337,6 +337,17 @@ pub fn pack(
     kernel::pack::pack(kernel::id(thread.to_array(), params), params, lit, table, image);
 }
 
+/// See `umbra4_core::kernel::pack_light`.
+#[spirv(compute(threads(64)))]
+pub fn pack_light(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &Params,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] light: &[[u32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] image: &mut [u32],
+) {
+    kernel::pack_light::pack_light(kernel::id(thread.to_array(), params), params, light, image);
+}
+
 /// See `umbra4_core::kernel::accumulate`.
 #[spirv(compute(threads(64)))]
 pub fn accumulate(
@@ -533,17 +544,62 @@ pub fn thin(
     kernel::half::thin(kernel::id(thread.to_array(), params), params, receivers, thinned);
 }
 
-/// See `umbra4_core::kernel::half`.
+macro_rules! facings {
+    ($($name:ident: $image:ty, $fetch:ident;)*) => {$(
+        /// See `umbra4_core::kernel::face_pixels`.
+        #[spirv(compute(threads(64)))]
+        pub fn $name(
+            #[spirv(global_invocation_id)] thread: UVec3,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &ViewParams,
+            #[spirv(descriptor_set = 0, binding = 1)] normals: &$image,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] facings: &mut [u32],
+        ) {
+            let id = kernel::id(thread.to_array(), params);
+            if let Some(texel) = snap_receivers::texel(id, params) {
+                kernel::face_pixels::face_pixel(id, params, $fetch(normals, texel, params), facings);
+            }
+        }
+    )*};
+}
+
+facings! {
+    face_pixels: Texture, texel_of;
+    face_pixel_samples: Samples, sample_of;
+}
+
+/// See `umbra4_core::kernel::face_pixels`.
 #[spirv(compute(threads(64)))]
-pub fn upsample(
+pub fn thin_facings(
     #[spirv(global_invocation_id)] thread: UVec3,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &ViewParams,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] thinned: &[[i32; 3]],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] lit: &[u32],
-    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] upsampled: &mut [u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] facings: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] thinned: &mut [u32],
 ) {
-    kernel::half::upsample(kernel::id(thread.to_array(), params), params, receivers, thinned, lit, upsampled);
+    let id = kernel::id(thread.to_array(), params);
+    kernel::face_pixels::thin_facings(id, params, receivers, facings, thinned);
+}
+
+macro_rules! upsample {
+    ($($name:ident: $channels:literal;)*) => {$(
+        /// See `umbra4_core::kernel::half`.
+        #[spirv(compute(threads(64)))]
+        pub fn $name(
+            #[spirv(global_invocation_id)] thread: UVec3,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &ViewParams,
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] thinned: &[[i32; 3]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] lit: &[[u32; $channels]],
+            #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] upsampled: &mut [[u32; $channels]],
+        ) {
+            kernel::half::upsample(kernel::id(thread.to_array(), params), params, receivers, thinned, lit, upsampled);
+        }
+    )*};
+}
+
+upsample! {
+    upsample: 1;
+    upsample_light: 3;
 }
 
 /// See `umbra4_core::kernel::probe`.

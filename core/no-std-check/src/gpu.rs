@@ -11,11 +11,13 @@ use umbra4_core::{
         accumulate::accumulate,
         build_level::build_level,
         dispatch::{Dispatch, MaskLayout, counters, dispatches},
+        face_pixels::{face_pixel, thin_facings},
         half::{thin, upsample},
         key_receivers::key_receivers,
         key_triangles::key_triangles,
         order_triangles::order_triangles,
         pack::pack,
+        pack_light::pack_light,
         probe::probe,
         reduce::reduce,
         resolve::{DeviceWord, ReceiverCounts, resolve_counted},
@@ -104,6 +106,7 @@ check! { of Params:
     check_kernel_reduce = reduce, (masks: &[u32], lit: &mut [u32]);
     check_kernel_weigh = weigh, (masks: &[u32], weights: &[PackedWeight], light: &mut [[u32; 3]]);
     check_kernel_pack = pack, (lit: &[u32], table: &[u32], image: &mut [u32]);
+    check_kernel_pack_light = pack_light, (light: &[[u32; 3]], image: &mut [u32]);
     check_kernel_accumulate = accumulate, (lit: &[u32], sums: &mut [u32], image: &mut [u32]);
     check_kernel_probe = probe, (words: &[[u32; 8]], out: &mut [[u32; 8]]);
 }
@@ -146,8 +149,12 @@ check! { of ViewParams:
     check_kernel_snap_position = snap_position, (position: [f32; 4], up: Upwards, receivers: &mut [[i32; 3]]);
     check_kernel_snap_depth = snap_depth, (texel: [u32; 2], depth: f32, up: Upwards, receivers: &mut [[i32; 3]]);
     check_kernel_thin = thin, (receivers: &[[i32; 3]], thinned: &mut [[i32; 3]]);
-    check_kernel_upsample = upsample,
-        (receivers: &[[i32; 3]], thinned: &[[i32; 3]], lit: &[u32], upsampled: &mut [u32]);
+    check_kernel_upsample = upsample::<1>,
+        (receivers: &[[i32; 3]], thinned: &[[i32; 3]], lit: &[[u32; 1]], upsampled: &mut [[u32; 1]]);
+    check_kernel_upsample_light = upsample::<3>,
+        (receivers: &[[i32; 3]], thinned: &[[i32; 3]], lit: &[[u32; 3]], upsampled: &mut [[u32; 3]]);
+    check_kernel_face_pixel = face_pixel, (normal: [f32; 4], facings: &mut [u32]);
+    check_kernel_thin_facings = thin_facings, (receivers: &[[i32; 3]], facings: &[u32], thinned: &mut [u32]);
 }
 
 #[unsafe(no_mangle)]

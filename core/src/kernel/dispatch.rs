@@ -86,6 +86,30 @@ pub enum Reduction {
     LitCounts,
     /// Sums of the weights of lit samples: an emission.
     WeighedLight,
+    /// Both.
+    Both,
+}
+
+impl Reduction {
+    /// What is asked for; `None` where that is nothing.
+    pub const fn of(lit_counts: bool, weighed_light: bool) -> Option<Self> {
+        match (lit_counts, weighed_light) {
+            (true, false) => Some(Self::LitCounts),
+            (false, true) => Some(Self::WeighedLight),
+            (true, true) => Some(Self::Both),
+            (false, false) => None,
+        }
+    }
+
+    /// Whether lit samples are counted.
+    pub const fn counts(self) -> bool {
+        matches!(self, Self::LitCounts | Self::Both)
+    }
+
+    /// Whether their weights are added up.
+    pub const fn weighs(self) -> bool {
+        matches!(self, Self::WeighedLight | Self::Both)
+    }
 }
 
 const SORT_PASSES: u32 = CODE_BITS.div_ceil(DIGIT_BITS);
@@ -166,10 +190,13 @@ pub fn dispatches<E>(
         }
         Stage::Reduce => {
             let pass = PassParams { stride: layout.stride, ..by_id };
-            match layout.reduction {
-                Reduction::LitCounts => one(Kernel::Reduce, pass, &[Role::Masks, Role::LitCounts]),
-                Reduction::WeighedLight => one(Kernel::Weigh, pass, &[Role::Masks, Role::Weights, Role::WeighedLight]),
+            if layout.reduction.counts() {
+                one(Kernel::Reduce, pass, &[Role::Masks, Role::LitCounts])?;
             }
+            if layout.reduction.weighs() {
+                one(Kernel::Weigh, pass, &[Role::Masks, Role::Weights, Role::WeighedLight])?;
+            }
+            Ok(())
         }
         // How vertices and receivers come is the executor's; the hierarchy is the index of those that run kernels.
         Stage::SnapVertices

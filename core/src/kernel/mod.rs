@@ -10,12 +10,14 @@ pub mod accumulate;
 pub mod build_level;
 #[cfg(not(target_arch = "spirv"))]
 pub mod dispatch;
+pub mod face_pixels;
 pub mod half;
 pub mod key_receivers;
 pub mod key_triangles;
 pub mod light_params;
 pub mod order_triangles;
 pub mod pack;
+pub mod pack_light;
 pub mod probe;
 pub mod reduce;
 pub mod resolve;

@@ -79,6 +79,8 @@ pub enum Kernel {
     Weigh,
     /// [`super::pack`].
     Pack,
+    /// [`super::pack_light`].
+    PackLight,
     /// [`super::accumulate`].
     Accumulate,
     /// [`super::snap_vertices::snap_vertices`].
@@ -105,10 +107,18 @@ pub enum Kernel {
     SnapOwnedDepths,
     /// [`Kernel::SnapDepthSamples`], the same.
     SnapOwnedDepthSamples,
+    /// [`super::face_pixels::face_pixel`].
+    FacePixels,
+    /// The same, one sample of multisampled textures.
+    FacePixelSamples,
     /// [`super::half::thin`].
     Thin,
-    /// [`super::half::upsample`].
+    /// [`super::face_pixels::thin_facings`].
+    ThinFacings,
+    /// [`super::half::upsample`], of lit samples.
     Upsample,
+    /// The same, of sums of their weights.
+    UpsampleLight,
     /// [`super::probe`], for tests.
     Probe,
 }
@@ -180,7 +190,7 @@ pub enum Slot {
     WeighedLight,
     /// Lit count → visibility, in the format of the image.
     VisibilityTable,
-    /// Visibility of every pixel, packed into words of 32 bits.
+    /// Visibility, or light, of every pixel, packed into words of 32 bits.
     Image,
     /// The engine's vertices, words of 32 bits.
     WorldVertices,
@@ -198,6 +208,8 @@ pub enum Slot {
     Owners,
     /// Receivers of half pixels, i32 × 3.
     ThinReceivers,
+    /// Facings of half pixels, as words.
+    ThinFacings,
     /// [`super::status::Status`], counted by atomics.
     Status,
     /// What [`super::probe`] is given, u32 × 8.
@@ -331,7 +343,7 @@ const OWNED_DEPTHS: &[Bound] = &owned(texture(Slot::Depths), texture(Slot::Norma
 const OWNED_DEPTH_SAMPLES: &[Bound] = &owned(samples(Slot::Depths), samples(Slot::Normals), Access::IdSamples);
 
 /// All kernels.
-pub const TABLE: [KernelInfo; 52] = [
+pub const TABLE: [KernelInfo; 57] = [
     line(Kernel::KeyTriangles, "key_triangles", Stage::KeyTriangles, KEY_TRIANGLES),
     line(Kernel::KeyReceivers, "key_receivers", Stage::KeyReceivers, KEY_RECEIVERS),
     line(
@@ -398,6 +410,7 @@ pub const TABLE: [KernelInfo; 52] = [
         Stage::Reduce,
         &[read(Slot::LitCounts), read(Slot::VisibilityTable), write(Slot::Image)],
     ),
+    line(Kernel::PackLight, "pack_light", Stage::Reduce, &[read(Slot::WeighedLight), write(Slot::Image)]),
     line(
         Kernel::Accumulate,
         "accumulate",
@@ -444,11 +457,19 @@ pub const TABLE: [KernelInfo; 52] = [
     view(Kernel::SnapOwnedPositionSamples, "snap_owned_position_samples", OWNED_POSITION_SAMPLES),
     view(Kernel::SnapOwnedDepths, "snap_owned_depths", OWNED_DEPTHS),
     view(Kernel::SnapOwnedDepthSamples, "snap_owned_depth_samples", OWNED_DEPTH_SAMPLES),
+    view(Kernel::FacePixels, "face_pixels", &[texture(Slot::Normals), write(Slot::Facings)]),
+    view(Kernel::FacePixelSamples, "face_pixel_samples", &[samples(Slot::Normals), write(Slot::Facings)]),
     view(Kernel::Thin, "thin", &[read(Slot::Receivers), write(Slot::ThinReceivers)]),
+    view(Kernel::ThinFacings, "thin_facings", &[read(Slot::Receivers), read(Slot::Facings), write(Slot::ThinFacings)]),
     view(
         Kernel::Upsample,
         "upsample",
         &[read(Slot::Receivers), read(Slot::ThinReceivers), read(Slot::LitCounts), write(Slot::LitCounts)],
+    ),
+    view(
+        Kernel::UpsampleLight,
+        "upsample_light",
+        &[read(Slot::Receivers), read(Slot::ThinReceivers), read(Slot::WeighedLight), write(Slot::WeighedLight)],
     ),
     line(Kernel::Probe, "probe", Stage::Resolve, &[read(Slot::Probes), write(Slot::Probed)]),
 ];

@@ -253,10 +253,8 @@ impl Renderer {
                 },
                 resolution: Resolution::Full,
                 lights: &[Light {
-                    lamp: light.into(),
                     visibility: Some(Image::Texture { texture: &self.targets.visibility, layer: 0 }),
-                    masks: None,
-                    history: None,
+                    ..Light::new(light)
                 }],
             },
         );

@@ -65,6 +65,8 @@ pub struct World {
     normals: TextureView,
     encoding: NormalEncoding,
     lift: Lift,
+    /// Before they were encoded.
+    pub pixel_normals: Vec<Vec3>,
     pub expected: Expected,
 }
 
@@ -261,6 +263,7 @@ impl World {
             normals: encoded(gpu, &normals, wish.encoding),
             encoding: wish.encoding,
             lift,
+            pixel_normals: normals,
             expected: maker.expected,
         }
     }

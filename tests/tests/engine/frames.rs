@@ -48,7 +48,7 @@ pub fn masks(expected: &Expected, light: &LatticeLight) -> Vec<u64> {
 }
 
 /// The bytes of an image of visibility, rows without padding.
-fn image(expected: &Expected, light: &LatticeLight, format: VisibilityFormat) -> Vec<u8> {
+pub fn image(expected: &Expected, light: &LatticeLight, format: VisibilityFormat) -> Vec<u8> {
     let samples = light.sample_count();
     let bytes = 4 / format.pixels_a_word() as usize;
     let lit = lit_counts(&masks(expected, light), light.rows, light.columns);
@@ -98,7 +98,7 @@ fn check_frame(gpu: &Gpu, shadows: &mut SoftShadows, world: &World, light: AreaL
 }
 
 pub fn shadowed(light: AreaLight, image: Image<'_>) -> Light<'_> {
-    Light { lamp: light.into(), visibility: Some(image), masks: None, history: None }
+    Light { visibility: Some(image), ..Light::new(light) }
 }
 
 pub fn wish(triangles: u32) -> Wish {
@@ -170,7 +170,6 @@ pub fn a_frame_is_exact(gpu: &Gpu) {
             .zip(&lights)
             .map(|(layer, light)| Light {
                 masks: Some(&mask_buffers[layer as usize]),
-                history: None,
                 ..shadowed(*light, Image::Texture { texture: &target, layer })
             })
             .collect();
@@ -300,7 +299,7 @@ pub fn jittered_frames_accumulate(gpu: &Gpu) {
 }
 
 /// Buffers, bind groups, pipelines and textures that are alive, as wgpu counts them.
-fn alive(gpu: &Gpu) -> [isize; 4] {
+pub fn alive(gpu: &Gpu) -> [isize; 4] {
     let counters = gpu.device.get_internal_counters();
     let hal = &counters.hal;
     [hal.buffers.read(), hal.bind_groups.read(), hal.compute_pipelines.read(), hal.textures.read()]

@@ -1,7 +1,9 @@
 //! Frames recorded into an engine's encoder: what they put on the lattice, what they shadow, and what they refuse.
 //! `UMBRA4_GPU` says which adapter must be there, see [`umbra4_tests::gpu::required`].
 
+mod emission;
 mod example;
+mod facing;
 mod fixture;
 mod frames;
 mod hard;
@@ -18,7 +20,7 @@ use umbra4_wgpu::Gpu;
 
 type Check = fn(&Gpu);
 
-const CHECKS: [(&str, Check); 20] = [
+const CHECKS: [(&str, Check); 27] = [
     ("a_frame_is_exact", frames::a_frame_is_exact),
     ("what_cannot_be_used_is_counted", frames::what_cannot_be_used_is_counted),
     ("every_encoding_of_normals", frames::every_encoding_of_normals),
@@ -26,6 +28,13 @@ const CHECKS: [(&str, Check); 20] = [
     ("two_frames_in_one_submission", frames::two_frames_in_one_submission),
     ("no_allocation_once_frames_repeat", frames::no_allocation_once_frames_repeat),
     ("jittered_frames_accumulate", frames::jittered_frames_accumulate),
+    ("emissions_are_those_of_the_cpu", emission::emissions_are_those_of_the_cpu),
+    ("a_light_without_emission_pays_nothing", emission::a_light_without_emission_pays_nothing),
+    ("emissions_at_half_resolution", emission::emissions_at_half_resolution),
+    ("pixels_that_face_away_are_dark", facing::pixels_that_face_away_are_dark),
+    ("blocks_face_where_their_pixel_does", facing::blocks_face_where_their_pixel_does),
+    ("only_those_who_ask_pay_for_facings", facing::only_those_who_ask_pay_for_facings),
+    ("encodings_of_facings", facing::encodings_of_facings),
     ("lights_without_extent_are_exact", hard::lights_without_extent_are_exact),
     ("a_frame_without_triangles_is_lit", frames::a_frame_without_triangles_is_lit),
     ("depths_are_unprojected", frames::depths_are_unprojected),

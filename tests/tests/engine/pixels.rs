@@ -313,8 +313,10 @@ pub fn half_resolution_is_exact_where_it_has_receivers(gpu: &Gpu) {
 
     let exact = lit_counts(&masks(&world.expected, &light), light.rows, light.columns);
     let lit = lit_counts(&expected, light.rows, light.columns);
-    let mut upsampled = vec![0; PIXELS];
+    let mut upsampled = vec![[0]; PIXELS];
+    let lit: Vec<[u32; 1]> = lit.into_iter().map(|lit| [lit]).collect();
     (0..PIXELS).for_each(|id| half::upsample(id, &params, pixels, &thinned, &lit, &mut upsampled));
+    let upsampled = upsampled.concat();
     let standing: Vec<usize> = (0..PIXELS).filter(|&k| pixels[k] != NOWHERE && thinned.contains(&pixels[k])).collect();
     assert!(standing.len() > blocks * 3 / 4, "most blocks have a receiver");
     assert!(standing.iter().all(|&k| upsampled[k] == exact[k]), "a pixel that stands for its block keeps its own");

@@ -7,26 +7,24 @@ use umbra4_core::{
 };
 use umbra4_tests::device::{buffer, texture};
 use umbra4_wgpu::{
-    Frame, Gpu, History, Image, Indices, Instances, Lamp, LatticeScene, Light, SoftShadows, Surface, VisibilityFormat,
-    WgpuExecutor,
+    Emitted, Frame, Gpu, History, Image, Indices, Instances, Lamp, LatticeScene, Light, LightImage, SoftShadows,
+    Surface, VisibilityFormat, WgpuExecutor,
     wgpu::{
         BufferDescriptor, BufferUsages, CommandEncoderDescriptor, IndexFormat, TextureFormat, TextureUsages,
         TextureViewDescriptor,
     },
 };
 
-use crate::fixture::{SIZE, Wish, World, light};
+use crate::{
+    fixture::{SIZE, Wish, World, light},
+    frames::{PIXELS, shadowed},
+};
 
 /// Changes one thing of a sound frame, and wants the error to name it.
 fn refused(gpu: &Gpu, world: &World, names: &str, change: impl FnOnce(&mut Frame<'_>, &mut dyn FnMut(&Frame<'_>))) {
     let usage = TextureUsages::COPY_DST | TextureUsages::COPY_SRC;
     let target = texture(gpu, [SIZE[0], SIZE[1], 1], TextureFormat::R8Unorm, usage);
-    let lights = [Light {
-        lamp: light(4, 4, -1.0).into(),
-        visibility: Some(Image::Texture { texture: &target, layer: 0 }),
-        masks: None,
-        history: None,
-    }];
+    let lights = [shadowed(light(4, 4, -1.0), Image::Texture { texture: &target, layer: 0 })];
     let meshes = world.meshes();
     let mut frame = world.frame(&meshes, &lights);
     let mut asked = false;
@@ -220,6 +218,46 @@ pub fn what_is_refused_is_named(gpu: &Gpu) {
         ask(&Frame { lights: &[Light { visibility: None, masks, history, ..frame.lights[0] }], ..*frame });
     });
 
+    let weights = buffer(gpu, &[0; 8 * 16], BufferUsages::STORAGE);
+    let sums = LightImage::Sums(&unwritten);
+    let most = 12 * PIXELS - 4;
+    let few = buffer(gpu, &vec![0; most], BufferUsages::STORAGE);
+    let few_bytes = format!("lights[0].emission.light is {most} bytes long");
+    let wide = |format, size: [u32; 2], usage| texture(gpu, [size[0], size[1], 1], format, usage);
+    let bytes_only = wide(TextureFormat::Rgba8Unorm, SIZE, usage);
+    let unwritable = wide(TextureFormat::Rgba16Float, SIZE, TextureUsages::TEXTURE_BINDING);
+    let sound = wide(TextureFormat::Rgba16Float, SIZE, usage);
+    let small = wide(TextureFormat::Rgba32Float, [36, 11], usage);
+    for (names, weights, light) in [
+        ("lights[0].emission.weights is 24 bytes long", &short, sums),
+        ("lights[0].emission.weights is BufferUsages(", &useless, sums),
+        (few_bytes.as_str(), &weights, LightImage::Sums(&few)),
+        ("lights[0].emission.light is BufferUsages(", &weights, LightImage::Sums(&useless)),
+        ("lights[0].emission.light is the buffer of the weights", &unwritten, sums),
+        (
+            "lights[0].emission.light.format is Rgba8Unorm",
+            &weights,
+            LightImage::Texture { texture: &bytes_only, layer: 0 },
+        ),
+        (
+            "lights[0].emission.light.usage is TextureUsages(TEXTURE_BINDING)",
+            &weights,
+            LightImage::Texture { texture: &unwritable, layer: 0 },
+        ),
+        ("lights[0].emission.light.size is 36 × 11", &weights, LightImage::Texture { texture: &small, layer: 0 }),
+        ("lights[0].emission.light.layer is 1", &weights, LightImage::Texture { texture: &sound, layer: 1 }),
+    ] {
+        let emission = Some(Emitted { weights, light });
+        refused(gpu, &world, names, |frame, ask| {
+            ask(&Frame { lights: &[Light { emission, ..frame.lights[0] }], ..*frame });
+        });
+    }
+    refused(gpu, &world, "lights[1].emission is given: the light has no extent", |frame, ask| {
+        let emission = Some(Emitted { weights: &weights, light: sums });
+        let hard = Light { emission, ..Light::new(PointLight { position: DVec3::Y }) };
+        ask(&Frame { lights: &[frame.lights[0], hard], ..*frame });
+    });
+
     refused(gpu, &world, "bounds: bounds.min.x is NaN", |frame, ask| {
         ask(&Frame { bounds: Bounds { min: DVec3::NAN, ..frame.bounds }, ..*frame });
     });
@@ -247,12 +285,7 @@ pub fn a_lost_device_is_an_error(_: &Gpu) {
     let world = World::new(&gpu, 1, Wish { triangles: 16, bad: 0, encoding: NormalEncoding::Signed });
     let usage = TextureUsages::COPY_DST;
     let target = texture(&gpu, [SIZE[0], SIZE[1], 1], TextureFormat::R8Unorm, usage);
-    let lights = [Light {
-        lamp: light(4, 4, -1.0).into(),
-        visibility: Some(Image::Texture { texture: &target, layer: 0 }),
-        masks: None,
-        history: None,
-    }];
+    let lights = [shadowed(light(4, 4, -1.0), Image::Texture { texture: &target, layer: 0 })];
     let meshes = world.meshes();
     let frame = world.frame(&meshes, &lights);
     let mut warm = SoftShadows::new(&gpu.device).expect("the device can be used");
