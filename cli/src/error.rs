@@ -70,14 +70,6 @@ pub enum ProgramError {
         /// The light that is something else, and what it is.
         light: String,
     },
-    /// Something that lights with a volume lack.
-    #[error("{option} is not for {light}: lights with a volume are the processor's")]
-    NoVolumes {
-        /// What was asked for.
-        option: &'static str,
-        /// The light, and what it is.
-        light: String,
-    },
     /// Something that a file with lights of its own says already.
     #[error("{option} is not for {file}: it has lights of its own")]
     FileLights {

@@ -17,7 +17,7 @@ pub type Scene<'a> = (&'a Occluders, &'a LatticeLight, &'a Receivers);
 pub enum AnyExecutor {
     /// On rayon's threads.
     Cpu(CpuExecutor),
-    /// On a GPU; and on rayon's threads what there is no stage for on GPUs yet.
+    /// On a GPU; the other is for plans, which are the processor's.
     Gpu(Box<WgpuExecutor>, CpuExecutor),
 }
 
@@ -216,7 +216,7 @@ impl AnyExecutor {
         Ok((bits.map(|blocked| 1.0 - blocked as f32).take(receivers.len()).collect(), report))
     }
 
-    /// The fraction of a volume's samples that every receiver sees: on the processor.
+    /// The fraction of a volume's samples that every receiver sees.
     ///
     /// # Errors
     /// The executor's.
@@ -226,8 +226,17 @@ impl AnyExecutor {
         cloud: &Cloud<Vec<IVec3>>,
         receivers: &Receivers,
     ) -> Result<(Vec<f32>, Report), ProgramError> {
-        let (visibility, statistics) = self.processor().cloud_visibility(occluders, cloud, receivers)?;
-        Ok((visibility, statistics.into()))
+        match self {
+            Self::Cpu(cpu) => {
+                let (visibility, statistics) = cpu.cloud_visibility(occluders, cloud, receivers)?;
+                Ok((visibility, statistics.into()))
+            }
+            Self::Gpu(gpu, _) => {
+                let (visibility, statistics) =
+                    gpu.cloud_visibility(&on_lattice(occluders), cloud, receivers.points())?;
+                Ok((visibility, statistics.into()))
+            }
+        }
     }
 
     /// How many triangles block something from each receiver.

@@ -19,15 +19,15 @@
 
 use glam::IVec3;
 
+#[cfg(not(target_arch = "spirv"))]
+use crate::{cloud::CloudMask, statistics::Tally};
 use crate::{
-    cloud::CloudMask,
-    cloud_tiles::CloudTiles,
+    cloud_extent::CloudExtent,
     edge_plane::{ReceiverTile, cross_magnitudes, cross_scalar, dot, dot_scalar, float, towards, turned},
     lanes::{Lanes, TILE},
     occluder::Occluder,
     precision::PrecisionMode,
     side::{Planes, Sides},
-    statistics::Tally,
     view::Offsets,
 };
 
@@ -54,6 +54,7 @@ pub struct Pair {
 }
 
 /// Which samples a triangle blocks from a receiver: what differs between the exact answer and that of a table.
+#[cfg(not(target_arch = "spirv"))]
 pub trait SampleTest: Sync {
     /// Adds what the pair blocks to a mask, and returns how many samples that are. `N` is 4 where the triangle's own plane
     /// may cut, else 3. Adds the signs decided in integers to `fallbacks`.
@@ -102,7 +103,7 @@ impl Reach {
     /// Of the lanes on either side of the triangle's plane that may see samples through it.
     #[inline(always)]
     pub(crate) fn of<L: Lanes, P: PrecisionMode>(
-        cloud: &CloudTiles<'_>,
+        cloud: &CloudExtent,
         receivers: &ReceiverTile,
         occluder: &Occluder,
         sides: Sides,

@@ -13,7 +13,7 @@ use crate::{
     cloud::{Cloud, CloudMask, WORD_BITS},
     cloud_pair::{Pair, SampleTest},
     edge_plane::float,
-    lanes::{Lanes, TILE},
+    lanes::Lanes,
     precision::PrecisionMode,
     statistics::Tally,
     view::Offsets,
@@ -142,7 +142,7 @@ impl<'a, C: AsRef<[IVec3]>, S: AsRef<[u32]> + AsMut<[u32]>> CloudTable<'a, C, S>
                 *word |= 1 << (k % WORD_BITS);
             }
         }
-        let offsets = Offsets { base, at: [[0.0; TILE]; 3], limit };
+        let offsets = Offsets::at_base(base, limit);
         // None of them is 0, which has to be said here: nothing may panic.
         let (words, cells) = (cloud.words().max(1), size.directions.max(1));
         for (cell, of_direction) in

@@ -4,23 +4,18 @@
 //! A plane is placed once a pair, in [`crate::real::Real`], from the middle of the cloud; [`crate::side`] derives how well it is
 //! known. Tiles are asked first, sixteen at once, by their boxes: most lie on one side of a plane, and only the others' samples are
 //! looked at, sixteen at once too. What is still in doubt is decided in integers.
-//!
-//! # Error bound of a tile's box
-//! At the box' middle, which is a float, the value is known to within `doubt`, as that of any sample. Over the box it changes
-//! by `|n|·h`, of which five roundoffs are lost, and the sum of both loses one more: less than `doubt` each, since h is
-//! no larger than the limit of all samples. So `3·doubt` is enough.
 
-use glam::{DVec3, IVec3, Vec3};
+use glam::IVec3;
 
 use crate::{
     cloud::{CloudMask, MAX_CLOUD, MAX_CLOUD_WORDS, WORD_BITS, blocks},
+    cloud_extent::{CloudExtent, Long, middle_of},
     cloud_pair::{Pair, SampleTest},
-    edge_plane::{cross_magnitudes, float},
-    exact::{self, Wide, WideInt},
+    kernel::resolve_cloud::SampleTile,
     lanes::{Lanes, TILE},
-    occluder::{Facing, Occluder},
+    occluder::Occluder,
     precision::PrecisionMode,
-    real::Real,
+    shaft::around,
     side::Planes,
     statistics::Tally,
     view::Offsets,
@@ -28,9 +23,6 @@ use crate::{
 
 /// Most tiles of a cloud.
 const TILES: usize = MAX_CLOUD / TILE;
-
-/// Bounds of a box' values, in units of a sample's.
-const BOX_DOUBT: f32 = 3.0;
 
 /// Sixteen tiles' boxes, from the middle of the cloud.
 #[derive(Clone, Copy, Debug)]
@@ -44,12 +36,10 @@ struct TileBoxes {
 #[derive(Clone, Debug)]
 pub struct CloudTiles<'a> {
     samples: &'a [IVec3],
-    low: IVec3,
-    high: IVec3,
-    /// All samples lie so near the middle; rounded up.
-    radius: f32,
-    /// Of a tile, its samples from the middle of the cloud. Places without a sample repeat the middle.
-    tiles: [Offsets; TILES],
+    extent: CloudExtent,
+    offsets: Offsets,
+    /// Of a tile, its samples from the middle of the cloud, axis-major. Places without a sample repeat the middle.
+    tiles: [[[f32; TILE]; 3]; TILES],
     boxes: [TileBoxes; TILES / TILE],
     /// All samples.
     full: CloudMask,
@@ -60,30 +50,28 @@ impl<'a> CloudTiles<'a> {
     /// other had better lie together.
     pub fn new(samples: &'a [IVec3]) -> Self {
         let samples = samples.get(..MAX_CLOUD).unwrap_or(samples);
-        let (low, high) = around(samples);
-        let center = low + (high - low) / 2;
-        let limit = float((high - center).max(center - low));
-        let nothing = Offsets { base: center, at: [[0.0; TILE]; 3], limit };
+        let [low, high] = around(samples);
+        let center = middle_of([low, high]);
+        let away = |sample: &IVec3| ((sample - center).as_dvec3().length() as f32).next_up();
+        let radius = samples.iter().map(away).fold(0.0, Lanes::max);
+        let extent = CloudExtent::new([low, high], radius);
         let no_box = TileBoxes { middle: [[0.0; TILE]; 3], half: [[0.0; TILE]; 3] };
         let mut cloud = Self {
             samples,
-            low,
-            high,
-            radius: 0.0,
-            tiles: [nothing; TILES],
+            extent,
+            offsets: extent.offsets(),
+            tiles: [[[0.0; TILE]; 3]; TILES],
             boxes: [no_box; TILES / TILE],
             full: [0; MAX_CLOUD_WORDS],
         };
         for (t, (of_tile, tile)) in samples.chunks(TILE).zip(&mut cloud.tiles).enumerate() {
             for (lane, sample) in of_tile.iter().enumerate() {
-                let away = (sample - center).as_dvec3().length() as f32;
-                cloud.radius = Lanes::max(cloud.radius, away.next_up());
-                for (axis, at) in tile.at.iter_mut().enumerate() {
+                for (axis, at) in tile.iter_mut().enumerate() {
                     at[lane % TILE] = (sample[axis] - center[axis]) as f32;
                 }
                 cloud.full[t * TILE / WORD_BITS % MAX_CLOUD_WORDS] |= 1 << ((t * TILE + lane) % WORD_BITS);
             }
-            let (low, high) = around(of_tile);
+            let [low, high] = around(of_tile);
             let (low, high) = ((low - center).as_dvec3(), (high - center).as_dvec3());
             let middle = ((low + high) * 0.5).as_vec3();
             let half = (high - middle.as_dvec3()).max(middle.as_dvec3() - low);
@@ -96,9 +84,9 @@ impl<'a> CloudTiles<'a> {
         cloud
     }
 
-    /// The box around all samples.
-    pub fn bounds(&self) -> [IVec3; 2] {
-        [self.low, self.high]
+    /// Where the samples lie.
+    pub fn extent(&self) -> &CloudExtent {
+        &self.extent
     }
 
     /// The mask in which all samples are blocked.
@@ -116,48 +104,20 @@ impl<'a> CloudTiles<'a> {
         self.samples.is_empty()
     }
 
-    /// The middle of the samples' box.
-    #[inline(always)]
-    pub(crate) fn middle(&self) -> IVec3 {
-        self.tiles[0].base
-    }
-
-    /// The half extents of the samples' box, rounded to the nearest float: whoever compares with them has to count that.
-    #[inline(always)]
-    pub(crate) fn half(&self) -> Vec3 {
-        self.tiles[0].limit
-    }
-
-    /// How far samples may lie from the middle.
-    #[inline(always)]
-    pub(crate) fn radius(&self) -> f32 {
-        self.radius
-    }
-
-    /// The triangle, with its corners in such an order that the samples lie on the positive side of its plane, unless that
-    /// meets their box. `None` where it blocks nothing.
+    /// See [`CloudExtent::occluder`].
     pub fn occluder(&self, corners: [IVec3; 3]) -> Option<Occluder> {
-        let [a, b, c] = corners;
-        let (center, half) = (self.middle(), self.half());
-        let (e, f, d) = (b - a, c - a, center - a);
-        let normal = <f64 as Real>::cross(e, f);
-        let at = <f64 as Real>::dot(&normal, d);
-        // From the integers: a half extent that is rounded down would leave samples beyond it.
-        let exact_half = (self.high - center).max(center - self.low).as_dvec3();
-        let spread = DVec3::from_array(normal).abs().dot(exact_half);
-        // Twice the error of the terms: for their sum, and for the bound's own arithmetic.
-        let size = cross_magnitudes(float(e), float(f)).dot(float(d).abs() + half);
-        let doubt = f64::from(2.0 * <f64 as Real>::SIDE_ERROR * size);
-        let facing = if at - spread > doubt {
-            Facing::Front
-        } else if at + spread < -doubt {
-            Facing::Back
-        } else if exact::cross::<Wide>(e, f).components().iter().all(|n| n.sign() == 0) {
-            Facing::Nothing
-        } else {
-            Facing::Mixed
-        };
-        facing.occluder(corners)
+        self.extent.occluder::<Long>(corners)
+    }
+
+    /// The tiles as the kernel takes them, as many as there are: [`CloudTiles::len`] sixteenths.
+    pub fn sample_tiles(&self) -> impl Iterator<Item = SampleTile> {
+        self.samples.chunks(TILE).zip(0..).map(|(of_tile, t): (_, usize)| {
+            let mut samples = [self.extent.middle().to_array(); TILE];
+            samples.iter_mut().zip(of_tile).for_each(|(place, sample)| *place = sample.to_array());
+            let TileBoxes { middle, half } = &self.boxes[t / TILE % (TILES / TILE)];
+            let of = |axes: &[[f32; TILE]; 3]| [axes[0][t % TILE], axes[1][t % TILE], axes[2][t % TILE]];
+            SampleTile { samples, middle: of(middle), half: of(half) }
+        })
     }
 
     /// Tiles whose boxes may reach to the inner side of all planes in `cuts`, and those that surely lie there; bit t is tile t.
@@ -165,29 +125,14 @@ impl<'a> CloudTiles<'a> {
     fn reached<L: Lanes, const N: usize>(&self, planes: &Planes<N>, cuts: u32) -> (u64, u64) {
         let (mut open, mut within, mut tile) = (0, 0, 0);
         while tile * TILE < self.samples.len() {
-            let boxes = &self.boxes[tile / TILE % (TILES / TILE)];
+            let TileBoxes { middle, half } = &self.boxes[tile / TILE % (TILES / TILE)];
             let mut first = 0;
             while first < TILE {
-                let (mut least, mut most) = (L::splat(f32::MAX), L::splat(f32::MAX));
-                let mut k = 0;
-                while k < N {
-                    if cuts >> k & 1 == 1 {
-                        let (mut value, mut spread, mut axis) = (L::splat(planes.at_base[k]), L::splat(0.0), 0);
-                        while axis < 3 {
-                            let normal = planes.normals[axis][k];
-                            value = L::load(&boxes.middle[axis], first).mul_add(L::splat(-normal), value);
-                            let half = L::load(&boxes.half[axis], first);
-                            spread = half.mul_add(L::splat(Lanes::abs(normal)), spread);
-                            axis += 1;
-                        }
-                        let doubt = L::splat(BOX_DOUBT * planes.doubt[k]);
-                        most = most.min(value.add(spread).add(doubt));
-                        least = least.min(value.sub(spread).sub(doubt));
-                    }
-                    k += 1;
-                }
-                open |= u64::from(L::bits(most.ge(L::splat(0.0)))) << (tile + first);
-                within |= u64::from(L::bits(least.ge(L::splat(f32::MIN_POSITIVE)))) << (tile + first);
+                let middle = [L::load(&middle[0], first), L::load(&middle[1], first), L::load(&middle[2], first)];
+                let half = [L::load(&half[0], first), L::load(&half[1], first), L::load(&half[2], first)];
+                let (surely, maybe) = planes.hold_box(cuts, &middle, &half);
+                within |= u64::from(L::bits(surely)) << (tile + first);
+                open |= u64::from(L::bits(maybe)) << (tile + first);
                 first += L::WIDTH;
             }
             tile += TILE;
@@ -195,29 +140,16 @@ impl<'a> CloudTiles<'a> {
         (open & tile_bits(self.samples.len()), within)
     }
 
-    /// Samples of a tile that are surely, and those that may be, on the inner side of all planes in `cuts`. A sum of two
-    /// floats has the sign of the exact sum, so that it tells which is larger.
+    /// Samples of a tile that are surely, and those that may be, on the inner side of all planes in `cuts`.
     #[inline(always)]
     fn inside<L: Lanes, const N: usize>(&self, planes: &Planes<N>, cuts: u32, tile: usize) -> (u32, u32) {
-        let at = &self.tiles[tile % TILES].at;
+        let at = &self.tiles[tile % TILES];
         let (mut sure, mut possible, mut first) = (0, 0, 0);
         while first < TILE {
-            let [x, y, z] = [L::load(&at[0], first), L::load(&at[1], first), L::load(&at[2], first)];
-            let (mut least, mut most) = (L::splat(f32::MAX), L::splat(f32::MAX));
-            let mut k = 0;
-            while k < N {
-                if cuts >> k & 1 == 1 {
-                    let value = x.mul_add(L::splat(-planes.normals[0][k]), L::splat(planes.at_base[k]));
-                    let value = y.mul_add(L::splat(-planes.normals[1][k]), value);
-                    let value = z.mul_add(L::splat(-planes.normals[2][k]), value);
-                    let doubt = L::splat(planes.doubt[k]);
-                    least = least.min(value.sub(doubt));
-                    most = most.min(value.add(doubt));
-                }
-                k += 1;
-            }
-            sure |= L::bits(least.ge(L::splat(f32::MIN_POSITIVE))) << first;
-            possible |= L::bits(most.ge(L::splat(0.0))) << first;
+            let at = [L::load(&at[0], first), L::load(&at[1], first), L::load(&at[2], first)];
+            let (surely, maybe) = planes.hold(cuts, &at);
+            sure |= L::bits(surely) << first;
+            possible |= L::bits(maybe) << first;
             first += L::WIDTH;
         }
         (sure, possible)
@@ -246,7 +178,7 @@ impl SampleTest for CloudTiles<'_> {
         mask: &mut CloudMask,
         fallbacks: &mut Tally,
     ) -> u32 {
-        let planes = pair.planes::<L, P, N>(&self.tiles[0]);
+        let planes = pair.planes::<L, P, N>(&self.offsets);
         let (mut open, within) = self.reached::<L, N>(&planes, pair.cuts);
         let mut found = 0;
         while open != 0 {
@@ -276,12 +208,6 @@ impl SampleTest for CloudTiles<'_> {
 fn tile_bits(samples: usize) -> u64 {
     let tiles = samples.div_ceil(TILE);
     if tiles >= TILES { u64::MAX } else { (1 << tiles) - 1 }
-}
-
-/// The box around points; of none, a point.
-fn around(points: &[IVec3]) -> (IVec3, IVec3) {
-    let first = points.first().copied().unwrap_or(IVec3::ZERO);
-    points.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)))
 }
 
 // A mask's bits follow each other tile by tile, two to a word.

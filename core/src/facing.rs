@@ -95,14 +95,20 @@ impl Facing {
     }
 
     /// The same of a box of samples, both corners included.
-    #[cfg(not(target_arch = "spirv"))]
+    #[cfg_attr(not(target_arch = "spirv"), inline)]
+    #[cfg_attr(target_arch = "spirv", inline(never))]
     pub fn is_away_from_box(self, [low, high]: [IVec3; 2], p: IVec3) -> bool {
-        let n = self.components();
-        let corner = |k: u32| {
-            let pick = |axis: u32, low: i32, high: i32| if k >> axis & 1 == 0 { low } else { high };
-            IVec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z))
-        };
-        self != Self::UNKNOWN && (0..8).all(|k| is_below(n, corner(k) - p))
+        let (n, mut is_away, mut k) = (self.components(), self != Self::UNKNOWN, 0);
+        while is_away && k < 8 {
+            let corner = IVec3::new(
+                if k & 1 == 0 { low.x } else { high.x },
+                if k & 2 == 0 { low.y } else { high.y },
+                if k & 4 == 0 { low.z } else { high.z },
+            );
+            is_away = is_below(n, corner - p);
+            k += 1;
+        }
+        is_away
     }
 
     /// The same of a light without extent; of a point that is where the light is, never.

@@ -9,6 +9,8 @@
 #![forbid(unsafe_code)]
 
 pub mod bit_mask;
+pub mod cloud_extent;
+pub mod cloud_pair;
 pub mod doubt;
 pub mod edge_plane;
 pub mod exact;
@@ -35,6 +37,7 @@ pub mod punctual_frame;
 pub mod ratio;
 pub mod real;
 pub mod row_mask;
+pub mod shaft;
 pub mod side;
 pub mod snap;
 pub mod stage;
@@ -54,7 +57,7 @@ pub mod area_light;
 #[cfg(not(target_arch = "spirv"))]
 pub mod cloud;
 #[cfg(not(target_arch = "spirv"))]
-pub mod cloud_pair;
+pub mod cloud_order;
 #[cfg(not(target_arch = "spirv"))]
 pub mod cloud_table;
 #[cfg(not(target_arch = "spirv"))]
@@ -83,8 +86,6 @@ pub mod plan;
 pub mod punctual_light;
 #[cfg(not(target_arch = "spirv"))]
 pub mod serial;
-#[cfg(not(target_arch = "spirv"))]
-pub mod shaft;
 #[cfg(not(target_arch = "spirv"))]
 pub mod silhouette;
 #[cfg(not(target_arch = "spirv"))]

@@ -128,6 +128,44 @@ pub fn code(frame: &CodeFrame, keys: &Keys) -> u32 {
     spread(squeeze(t[0], frame.center[0])) << 2 | spread(squeeze(t[1], frame.center[1])) << 1 | spread(depth)
 }
 
+/// A Morton curve through a box, for lights that are seen from all sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(C)]
+pub struct BoxCurve {
+    /// The box' lowest corner, lattice.
+    pub low: [i32; 3],
+    /// Cells along the curve are 2^shift lattice units wide.
+    pub shift: u32,
+}
+
+impl BoxCurve {
+    /// Through a box between its lowest and highest corners; of one that holds nothing, through a point.
+    #[cfg(not(target_arch = "spirv"))]
+    pub fn through([low, high]: [IVec3; 2]) -> Self {
+        let longest = low.to_array().into_iter().zip(high.to_array());
+        let longest = longest.map(|(low, high)| if low < high { high.abs_diff(low) } else { 0 }).fold(0, u32::max);
+        Self { low: low.to_array(), shift: (u32::BITS - longest.leading_zeros()).saturating_sub(CELL_BITS) }
+    }
+
+    /// The code of a point: that of the nearest in the box.
+    #[inline(always)]
+    pub fn code(&self, [x, y, z]: [i32; 3]) -> u32 {
+        spread(self.cell(x, 0)) << 2 | spread(self.cell(y, 1)) << 1 | spread(self.cell(z, 2))
+    }
+
+    #[inline(always)]
+    fn cell(&self, x: i32, axis: usize) -> u32 {
+        let low = self.low[axis];
+        let cell = if x > low { x.wrapping_sub(low) as u32 >> (self.shift % u32::BITS) } else { 0 };
+        if cell < CELLS { cell } else { CELLS - 1 }
+    }
+}
+
+/// Binary digits of a place on a curve, per axis.
+const CELL_BITS: u32 = 10;
+/// Places per axis.
+const CELLS: u32 = 1 << CELL_BITS;
+
 /// Moves bit n to bit 3n; of 10 bits.
 #[inline(always)]
 fn spread(x: u32) -> u32 {

@@ -7,12 +7,13 @@
 use glam::{IVec3, IVec4, UVec4, Vec3, Vec4};
 
 use crate::{
+    cloud_extent::CloudExtent,
     edge_plane::LightGrid,
     frame::LightFrame,
     hierarchy::{Levels, MAX_LEVELS},
     jitter::{Jitter, Pattern},
     light::LatticeLight,
-    order::CodeFrame,
+    order::{BoxCurve, CodeFrame},
     punctual::Punctual,
     punctual_frame::PunctualFrame,
 };
@@ -285,6 +286,96 @@ impl PunctualParams {
 }
 
 impl Dispatched for PunctualParams {
+    #[inline(always)]
+    fn count(&self) -> u32 {
+        self.params.count()
+    }
+
+    #[inline(always)]
+    fn row(&self) -> u32 {
+        self.params.row()
+    }
+
+    fn with_row(mut self, row: u32) -> Self {
+        self.params = self.params.with_row(row);
+        self
+    }
+}
+
+/// [`Params`] of a light that is a cloud of samples.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct CloudParams {
+    /// The pass, and a light of as many samples; else nothing.
+    pub params: Params,
+    /// The lowest corner of the box around the samples; 0.
+    low: IVec4,
+    /// The highest; 0.
+    high: IVec4,
+    /// How far samples lie from the middle; 0.
+    radius: Vec4,
+    /// What orders triangles and receivers.
+    curve: IVec4,
+}
+
+impl CloudParams {
+    /// What the passes of a cloud of `samples` samples share. The curve decides the order of triangles and receivers, never a bit.
+    #[cfg(not(target_arch = "spirv"))]
+    pub fn new(extent: &CloudExtent, samples: u32, curve: &BoxCurve, levels: &Levels) -> Self {
+        let light = LatticeLight {
+            origin: IVec3::ZERO,
+            step_u: IVec3::ZERO,
+            step_v: IVec3::ZERO,
+            rows: samples,
+            columns: 1,
+            jitter: Jitter::NONE,
+        };
+        let frame = LightFrame {
+            origin: IVec3::ZERO,
+            along_u: Vec3::ZERO,
+            along_v: Vec3::ZERO,
+            normal: Vec3::ZERO,
+            last_column: 0.0,
+            last_row: 0.0,
+            scale: [0.0; 2],
+        };
+        let codes = CodeFrame { center: [0.0; 2], inverse_spread: 0.0, scale: [0.0; 2] };
+        let [low, high] = extent.bounds();
+        Self {
+            params: Params::of(&light, &frame, 0.0, &codes, levels),
+            low: low.extend(0),
+            high: high.extend(0),
+            radius: Vec4::new(extent.radius(), 0.0, 0.0, 0.0),
+            curve: IVec3::from_array(curve.low).extend(curve.shift as i32),
+        }
+    }
+
+    /// The same for one pass.
+    #[must_use]
+    pub fn with_pass(self, pass: &PassParams) -> Self {
+        Self { params: self.params.with_pass(pass), ..self }
+    }
+
+    /// Samples of the cloud.
+    #[inline(always)]
+    pub fn samples(&self) -> u32 {
+        self.params.light().sample_count()
+    }
+
+    /// Where they lie.
+    #[inline(always)]
+    pub fn extent(&self) -> CloudExtent {
+        CloudExtent::new([three(self.low), three(self.high)], self.radius.x)
+    }
+
+    /// What orders triangles and receivers.
+    #[inline(always)]
+    pub fn curve(&self) -> BoxCurve {
+        BoxCurve { low: [self.curve.x, self.curve.y, self.curve.z], shift: self.curve.w as u32 }
+    }
+}
+
+impl Dispatched for CloudParams {
     #[inline(always)]
     fn count(&self) -> u32 {
         self.params.count()

@@ -118,14 +118,20 @@ const fn is_within(x: i32, most: i32) -> bool {
 
 /// Whether the triangle blocks the light from p: the rule as it stands above.
 pub fn blocks(light: Punctual, p: IVec3, triangle: [IVec3; 3]) -> bool {
-    let (side, toward) = (exact::far_side::<Wide>(p, triangle), light.seen_from(p));
-    let (mut blocks, mut k) = (side != 0 && light.side(triangle) == side, 0);
-    while blocks && k < 3 {
-        let (from, to) = (triangle[k], triangle[(k + 1) % 3]);
-        blocks = exact::dot::<Wide>(exact::cross(from - p, to - from), toward).sign() * side >= 0;
-        k += 1;
-    }
-    blocks
+    // Not in a loop: some drivers end loops after so many rounds.
+    let ([a, b, c], side, toward) = (triangle, exact::far_side::<Wide>(p, triangle), light.seen_from(p));
+    side != 0
+        && light.side(triangle) == side
+        && edge_side(p, a, b, toward) * side >= 0
+        && edge_side(p, b, c, toward) * side >= 0
+        && edge_side(p, c, a, toward) * side >= 0
+}
+
+/// The side of the plane through p and an edge on which the light lies, `toward` which p looks.
+#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(target_arch = "spirv", inline(never))]
+fn edge_side(p: IVec3, from: IVec3, to: IVec3, toward: IVec3) -> i32 {
+    exact::dot::<Wide>(exact::cross(from - p, to - from), toward).sign()
 }
 
 /// The planes through the light and the edges of a triangle that faces it, and the triangle's own: positive before what is in

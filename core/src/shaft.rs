@@ -21,12 +21,7 @@
 
 use glam::IVec3;
 
-use crate::{
-    hierarchy::Question,
-    lanes::{Lanes, TILE},
-    proj4::NODE,
-    snap::LIMIT,
-};
+use crate::{hierarchy::Question, lanes::Lanes, proj4::NODE, snap::LIMIT};
 
 /// Most tangents: one for each pair of axes and quadrant.
 const TANGENTS: usize = 12;
@@ -35,14 +30,18 @@ const TANGENTS: usize = 12;
 const ERRORS: f32 = 8.0;
 
 /// Boxes of the entries of a node, lattice: `low[axis][entry]`, both ends included.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[cfg_attr(not(target_arch = "spirv"), repr(C, align(64)))]
+#[cfg_attr(target_arch = "spirv", repr(C))]
 pub struct BoxTile {
     low: [[i32; NODE]; 3],
     high: [[i32; NODE]; 3],
 }
 
 impl BoxTile {
+    /// Corners of an entry that does not exist.
+    pub const NO_ENTRY: [IVec3; 2] = [IVec3::splat(LIMIT), IVec3::splat(-LIMIT)];
+
     /// Sixteen entries that do not exist: they meet no shaft.
     pub const NOTHING: Self = Self { low: [[LIMIT; NODE]; 3], high: [[-LIMIT; NODE]; 3] };
 
@@ -56,16 +55,38 @@ impl BoxTile {
 
     /// The box around all entries, as an entry of the level above.
     pub fn around(&self) -> [IVec3; 2] {
-        let (mut low, mut high) = (IVec3::splat(LIMIT), IVec3::splat(-LIMIT));
-        for e in 0..NODE {
+        let [mut low, mut high] = Self::NO_ENTRY;
+        let mut e = 0;
+        while e < NODE {
             low = low.min(IVec3::new(self.low[0][e], self.low[1][e], self.low[2][e]));
             high = high.max(IVec3::new(self.high[0][e], self.high[1][e], self.high[2][e]));
+            e += 1;
         }
         [low, high]
     }
 }
 
+/// The box around a triangle, between its lowest and highest corners.
+#[inline(always)]
+pub fn box_of([a, b, c]: [IVec3; 3]) -> [IVec3; 2] {
+    [a.min(b).min(c), a.max(b).max(c)]
+}
+
+/// The box around points; of none, a point.
+#[cfg(not(target_arch = "spirv"))]
+pub fn around(points: &[IVec3]) -> [IVec3; 2] {
+    let first = points.first().copied().unwrap_or(IVec3::ZERO);
+    points.iter().fold([first, first], |[low, high], &p| [low.min(p), high.max(p)])
+}
+
+/// Whether two boxes have a point in common.
+#[cfg(not(target_arch = "spirv"))]
+pub fn meet([low, high]: [IVec3; 2], other: [IVec3; 2]) -> bool {
+    low.cmple(other[1]).all() && other[0].cmple(high).all()
+}
+
 /// Tile `id` of a level, from the tiles of the level below it.
+#[cfg(not(target_arch = "spirv"))]
 pub fn build_box_level(id: usize, below: &[BoxTile]) -> BoxTile {
     let mut tile = BoxTile::NOTHING;
     for entry in 0..NODE {
@@ -92,63 +113,117 @@ struct Tangent {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shaft {
     /// o
-    base: IVec3,
-    low: IVec3,
-    high: IVec3,
+    base: [i32; 3],
+    low: [i32; 3],
+    high: [i32; 3],
     tangents: [Tangent; TANGENTS],
     count: usize,
 }
 
 impl Shaft {
-    /// Between two boxes on the lattice, by their lowest and highest corners.
+    /// Between two boxes on the lattice, by their lowest and highest corners. On a GPU that of the receivers is a point.
+    #[inline(always)]
     pub fn between(receivers: [IVec3; 2], cloud: [IVec3; 2]) -> Self {
         let none = Tangent { axes: [0; 2], normal: [0.0; 2], limit: 0.0 };
         let mut shaft = Self {
-            base: receivers[0],
-            low: receivers[0].min(cloud[0]),
-            high: receivers[1].max(cloud[1]),
+            base: receivers[0].to_array(),
+            low: receivers[0].min(cloud[0]).to_array(),
+            high: receivers[1].max(cloud[1]).to_array(),
             tangents: [none; TANGENTS],
             count: 0,
         };
-        for axes in [[0, 1], [1, 2], [2, 0]] {
-            for quadrant in [[0, 0], [0, 1], [1, 0], [1, 1]] {
-                shaft.add(axes, quadrant, receivers, cloud);
-            }
+        let receivers = [receivers[0].to_array(), receivers[1].to_array()];
+        let cloud = [cloud[0].to_array(), cloud[1].to_array()];
+        let mut k = 0;
+        while k < TANGENTS {
+            // Of each pair of axes, four quadrants: 0 is negative.
+            let axis = k / 4;
+            shaft.add([axis, (axis + 1) % 3], [k / 2 % 2, k % 2], &receivers, &cloud);
+            k += 1;
         }
         shaft
     }
 
-    /// Adds the tangent of a quadrant (0 is negative), where there is one.
-    fn add(&mut self, axes: [usize; 2], quadrant: [usize; 2], receivers: [IVec3; 2], cloud: [IVec3; 2]) {
-        let sign = quadrant.map(|high| if high == 1 { 1_i64 } else { -1 });
-        let corner = |of: &[IVec3; 2], k: usize| of[quadrant[k] % 2].to_array()[axes[k] % 3];
-        let r = [corner(&receivers, 0), corner(&receivers, 1)];
-        let d = [0, 1].map(|k| i64::from(corner(&cloud, k)) - i64::from(r[k]));
-        if d[0].signum() * sign[0] * d[1].signum() * sign[1] >= 0 {
+    /// Adds the tangent of a quadrant, where there is one.
+    #[inline(always)]
+    fn add(&mut self, axes: [usize; 2], quadrant: [usize; 2], receivers: &[[i32; 3]; 2], cloud: &[[i32; 3]; 2]) {
+        let [u, v] = [axes[0] % 3, axes[1] % 3];
+        let [s, t] = [quadrant[0] % 2, quadrant[1] % 2];
+        let r = [receivers[s][u], receivers[t][v]];
+        let d = [cloud[s][u] - r[0], cloud[t][v] - r[1]];
+        // Both towards the quadrant, or both away from it, or one of them zero: no edge.
+        if d[0] == 0 || d[1] == 0 || ((d[0] > 0) == (s == 1)) == ((d[1] > 0) == (t == 1)) {
             return;
         }
-        let normal = [sign[0] * d[1].abs(), sign[1] * d[0].abs()];
-        let base = self.base.to_array();
-        let limit: i64 = (0..2).map(|k| normal[k] * (i64::from(r[k]) - i64::from(base[axes[k] % 3]))).sum();
-        if let Some(place) = self.tangents.get_mut(self.count) {
-            *place = Tangent { axes, normal: normal.map(|n| n as f32), limit: (limit as f32).next_up() };
-            self.count += 1;
-        }
+        let magnitude = [d[1].wrapping_abs(), d[0].wrapping_abs()];
+        let normal =
+            [if s == 1 { magnitude[0] } else { -magnitude[0] }, if t == 1 { magnitude[1] } else { -magnitude[1] }];
+        let limit = limit(normal, [r[0] - receivers[0][u], r[1] - receivers[0][v]]);
+        let place = self.count % TANGENTS;
+        self.tangents[place] = Tangent { axes: [u, v], normal: [normal[0] as f32, normal[1] as f32], limit };
+        self.count += 1;
     }
 
     /// Lanes whose box is not certainly beyond a tangent.
     #[inline(always)]
     fn within<L: Lanes>(&self, tangent: &Tangent, tile: &BoxTile, first: usize) -> L::Mask {
-        let (mut side, mut size, mut k) = (L::splat(0.0), L::splat(0.0), 0);
-        while k < 2 {
-            let (axis, normal) = (tangent.axes[k] % 3, tangent.normal[k]);
-            let nearest = if normal > 0.0 { &tile.low[axis] } else { &tile.high[axis] };
-            let x = L::difference(L::load_ints(nearest, first), L::splat_int(self.base[axis]));
-            side = x.mul_add(L::splat(normal), side);
-            size = x.abs().mul_add(L::splat(normal.abs()), size);
-            k += 1;
-        }
+        let zero = L::splat(0.0);
+        let (side, size) = self.term::<L>(tangent, 0, tile, first, (zero, zero));
+        let (side, size) = self.term::<L>(tangent, 1, tile, first, (side, size));
         L::splat(tangent.limit).ge(size.mul_add(L::splat(-ERRORS * L::ROUNDOFF), side))
+    }
+
+    /// Adds one of the two terms of `N·(x − o)`, and its magnitude.
+    #[inline(always)]
+    fn term<L: Lanes>(
+        &self,
+        tangent: &Tangent,
+        k: usize,
+        tile: &BoxTile,
+        first: usize,
+        (side, size): (L, L),
+    ) -> (L, L) {
+        let (axis, normal) = (tangent.axes[k] % 3, tangent.normal[k]);
+        let nearest = if normal > 0.0 { ints::<L>(&tile.low[axis], first) } else { ints::<L>(&tile.high[axis], first) };
+        let x = L::difference(nearest, L::splat_int(self.base[axis]));
+        (x.mul_add(L::splat(normal), side), x.abs().mul_add(L::splat(Lanes::abs(normal)), size))
+    }
+
+    /// Lanes whose box lies beside that of the shaft, along an axis.
+    #[inline(always)]
+    fn outside<L: Lanes>(&self, axis: usize, tile: &BoxTile, first: usize) -> u32 {
+        let [low, high] = [ints::<L>(&tile.low[axis], first), ints::<L>(&tile.high[axis], first)];
+        L::less(L::splat_int(self.high[axis]), low) | L::less(high, L::splat_int(self.low[axis]))
+    }
+}
+
+/// `N·(r − o)`, rounded up.
+#[inline(always)]
+fn limit(normal: [i32; 2], from_base: [i32; 2]) -> f32 {
+    // A GPU, which has one receiver a thread, has no integers as long as that.
+    #[cfg(target_arch = "spirv")]
+    {
+        let _ = (normal, from_base);
+        0.0
+    }
+    #[cfg(not(target_arch = "spirv"))]
+    {
+        let term = |k: usize| i64::from(normal[k]) * i64::from(from_base[k]);
+        ((term(0) + term(1)) as f32).next_up()
+    }
+}
+
+/// Entries `first..first + WIDTH` of a node.
+#[inline(always)]
+fn ints<L: Lanes>(entries: &[i32; NODE], first: usize) -> L::Ints {
+    // There a tile is a single lane.
+    #[cfg(target_arch = "spirv")]
+    {
+        L::splat_int(entries[first % NODE])
+    }
+    #[cfg(not(target_arch = "spirv"))]
+    {
+        L::load_ints(entries, first)
     }
 }
 
@@ -158,16 +233,13 @@ impl Question for Shaft {
     #[inline(always)]
     fn open<L: Lanes>(&self, tile: &BoxTile) -> u32 {
         let (mut bits, mut first) = (0, 0);
-        while first < TILE {
-            let (mut outside, mut axis) = (0, 0);
-            while axis < 3 {
-                outside |= L::less(L::splat_int(self.high[axis]), L::load_ints(&tile.low[axis], first));
-                outside |= L::less(L::load_ints(&tile.high[axis], first), L::splat_int(self.low[axis]));
-                axis += 1;
-            }
+        while first < NODE {
+            let outside = self.outside::<L>(0, tile, first)
+                | self.outside::<L>(1, tile, first)
+                | self.outside::<L>(2, tile, first);
             let all = (1 << L::WIDTH) - 1;
             let (mut inside, mut k) = (!outside & all, 0);
-            while k < self.count % (TANGENTS + 1) && inside != 0 {
+            while k < self.count && k < TANGENTS && inside != 0 {
                 inside &= L::bits(self.within::<L>(&self.tangents[k], tile, first));
                 k += 1;
             }

@@ -143,6 +143,72 @@ impl<const N: usize> Planes<N> {
     }
 }
 
+impl<const N: usize> Planes<N> {
+    /// Whether points, from the base, surely lie on the inner side of all planes in `cuts`, and whether they may; `3 ≤ N ≤ 4`. A sum
+    /// of two floats has the sign of the exact sum, so that it tells which is larger.
+    #[inline(always)]
+    pub(crate) fn hold<L: Lanes>(&self, cuts: u32, at: &[L; 3]) -> (L::Mask, L::Mask) {
+        let mut range = (L::splat(f32::MAX), L::splat(f32::MAX));
+        range = self.of_point(0, cuts, at, range);
+        range = self.of_point(1, cuts, at, range);
+        range = self.of_point(2, cuts, at, range);
+        if N > 3 {
+            range = self.of_point(3, cuts, at, range);
+        }
+        (range.0.ge(L::splat(f32::MIN_POSITIVE)), range.1.ge(L::splat(0.0)))
+    }
+
+    /// The same of all points of boxes, and of any of them.
+    ///
+    /// # Error bound
+    /// At a box' middle, a float, the value is known to within `doubt`, as that of any point. Over the box it changes by `|n|·h`,
+    /// of which five roundoffs are lost, and the sum of both loses one more: less than `doubt` each, as long as h is no larger than
+    /// the limit of all points. So `3·doubt` is enough.
+    #[inline(always)]
+    pub(crate) fn hold_box<L: Lanes>(&self, cuts: u32, middle: &[L; 3], half: &[L; 3]) -> (L::Mask, L::Mask) {
+        let mut range = (L::splat(f32::MAX), L::splat(f32::MAX));
+        range = self.of_box(0, cuts, middle, half, range);
+        range = self.of_box(1, cuts, middle, half, range);
+        range = self.of_box(2, cuts, middle, half, range);
+        if N > 3 {
+            range = self.of_box(3, cuts, middle, half, range);
+        }
+        (range.0.ge(L::splat(f32::MIN_POSITIVE)), range.1.ge(L::splat(0.0)))
+    }
+
+    /// The least and the most that a plane's value may be, and those of others.
+    #[inline(always)]
+    fn of_point<L: Lanes>(&self, k: usize, cuts: u32, at: &[L; 3], (least, most): (L, L)) -> (L, L) {
+        if cuts >> k & 1 == 0 {
+            return (least, most);
+        }
+        let value = at[0].mul_add(L::splat(-self.normals[0][k]), L::splat(self.at_base[k]));
+        let value = at[1].mul_add(L::splat(-self.normals[1][k]), value);
+        let value = at[2].mul_add(L::splat(-self.normals[2][k]), value);
+        let doubt = L::splat(self.doubt[k]);
+        (least.min(value.sub(doubt)), most.min(value.add(doubt)))
+    }
+
+    #[inline(always)]
+    fn of_box<L: Lanes>(&self, k: usize, cuts: u32, middle: &[L; 3], half: &[L; 3], (least, most): (L, L)) -> (L, L) {
+        if cuts >> k & 1 == 0 {
+            return (least, most);
+        }
+        let n = [self.normals[0][k], self.normals[1][k], self.normals[2][k]];
+        let value = middle[0].mul_add(L::splat(-n[0]), L::splat(self.at_base[k]));
+        let value = middle[1].mul_add(L::splat(-n[1]), value);
+        let value = middle[2].mul_add(L::splat(-n[2]), value);
+        let spread = half[0].mul(L::splat(Lanes::abs(n[0])));
+        let spread = half[1].mul_add(L::splat(Lanes::abs(n[1])), spread);
+        let spread = half[2].mul_add(L::splat(Lanes::abs(n[2])), spread);
+        let doubt = L::splat(BOX_DOUBT * self.doubt[k]);
+        (least.min(value.sub(spread).sub(doubt)), most.min(value.add(spread).add(doubt)))
+    }
+}
+
+/// Bounds of a box' values, in units of a point's.
+const BOX_DOUBT: f32 = 3.0;
+
 #[inline(always)]
 fn single(v: IVec3) -> [[i32; 1]; 3] {
     [[v.x], [v.y], [v.z]]

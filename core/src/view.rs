@@ -44,6 +44,12 @@ pub struct Offsets {
 }
 
 impl Offsets {
+    /// Of nothing but a base, from which what is placed lies no farther than `limit`.
+    #[inline(always)]
+    pub(crate) fn at_base(base: IVec3, limit: Vec3) -> Self {
+        Self { base, at: [[0.0; TILE]; 3], limit }
+    }
+
     /// Of the receivers of `active` lanes (not none). Other lanes repeat the base, and so widen no bound.
     #[inline(always)]
     pub fn new(receivers: &ReceiverTile, active: u32) -> Self {

@@ -98,7 +98,8 @@ impl<'a, T: CloudKernels, V: Fn(usize, &CloudMask, u32) + Sync> CloudRun<'a, T, 
     fn settle_receivers(&mut self, first: usize, count: usize) {
         let CloudInput { cloud, receivers, .. } = self.input;
         let settled = (first..first + count).into_par_iter().map(|index| {
-            let is_away = receivers.facing_of(index).is_away_from_box(cloud.bounds(), receivers.points()[index]);
+            let is_away =
+                receivers.facing_of(index).is_away_from_box(cloud.extent().bounds(), receivers.points()[index]);
             if is_away {
                 (self.visit)(index, cloud.full(), 0);
             }

@@ -3,10 +3,12 @@
 use rayon::prelude::*;
 use umbra4_core::{
     IndexKind, Plan, SceneFacts,
-    cloud::{Cloud, CloudMask, WORD_BITS},
+    cloud::{Cloud, CloudMask},
+    cloud_order::OrderedCloud,
     cloud_table::CloudTable,
     cloud_tiles::CloudTiles,
     glam::IVec3,
+    shaft::{box_of, meet},
     stage::reduce,
 };
 use umbra4_cpu_kernels::CloudKernels;
@@ -14,38 +16,13 @@ use umbra4_cpu_kernels::CloudKernels;
 use crate::{
     CloudMasks, CpuExecutor, ExecutorError, Occluders, Receivers, Statistics,
     cloud::{CloudInput, CloudRun},
-    cloud_triangles::{box_of, meet},
     executor::BLOCK,
-    morton::{Curve, along, around},
+    morton::around,
     scatter::Scatter,
 };
 
 /// Triangles that are worth a job.
 const PART: usize = 1 << 12;
-
-/// The samples in the order in which they are worked on: those that follow each other lie together.
-struct Arranged {
-    samples: Vec<IVec3>,
-    /// Which bit of the caller's a sample is.
-    bits: Vec<u32>,
-}
-
-impl Arranged {
-    fn of(samples: &[IVec3]) -> Self {
-        let curve = Curve::through(samples, 1);
-        let bits = along(samples.len(), |k| curve.place([samples[k]]));
-        Self { samples: bits.iter().map(|bit| samples[*bit as usize]).collect(), bits }
-    }
-
-    /// Writes a mask in the caller's order over zeros.
-    fn write(&self, mask: &CloudMask, out: &mut [u32]) {
-        for (word, of_word) in mask.iter().zip(self.bits.chunks(WORD_BITS)) {
-            for (k, bit) in of_word.iter().enumerate() {
-                out[*bit as usize / WORD_BITS] |= (word >> k & 1) << (*bit as usize % WORD_BITS);
-            }
-        }
-    }
-}
 
 impl CpuExecutor {
     /// What will run for a cloud.
@@ -85,8 +62,8 @@ impl CpuExecutor {
         cloud: &Cloud<S>,
         receivers: &Receivers,
     ) -> Result<(CloudMasks, Statistics), ExecutorError> {
-        let arranged = Arranged::of(cloud.samples());
-        let tiles = CloudTiles::new(&arranged.samples);
+        let arranged = OrderedCloud::new(cloud.samples());
+        let tiles = CloudTiles::new(arranged.samples());
         self.stored(occluders, cloud, &tiles, &tiles, receivers, |mask, out| arranged.write(mask, out))
     }
 
@@ -193,8 +170,8 @@ impl CpuExecutor {
         receivers: &Receivers,
         value: impl Fn(u32) -> V + Sync,
     ) -> Result<(Vec<V>, Statistics), ExecutorError> {
-        let arranged = Arranged::of(cloud.samples());
-        let tiles = CloudTiles::new(&arranged.samples);
+        let arranged = OrderedCloud::new(cloud.samples());
+        let tiles = CloudTiles::new(arranged.samples());
         let mut values = vec![value(cloud.samples().len() as u32); receivers.len()];
         let out = Scatter::new(&mut values);
         let statistics = self.run_cloud(occluders, cloud, &tiles, &tiles, receivers, true, |receiver, _, lit| {

@@ -8,7 +8,7 @@ use umbra4_core::{
     hierarchy::Levels,
     occluder::Occluder,
     proj4::NODE,
-    shaft::{BoxTile, build_box_level},
+    shaft::{BoxTile, box_of, build_box_level, meet},
 };
 
 use crate::{
@@ -23,16 +23,6 @@ const NODES_A_JOB: usize = 64;
 pub(crate) fn order(scene: &Occluders) -> Vec<u32> {
     let curve = Curve::through(scene.vertices(), 3);
     along(scene.triangles().len(), |id| scene.corners(id).map_or(0, |corners| curve.place(corners)))
-}
-
-/// The lowest and the highest corner of the box around a triangle.
-pub(crate) fn box_of([a, b, c]: [IVec3; 3]) -> [IVec3; 2] {
-    [a.min(b).min(c), a.max(b).max(c)]
-}
-
-/// Whether two boxes have a point in common.
-pub(crate) fn meet([low, high]: [IVec3; 2], other: [IVec3; 2]) -> bool {
-    low.cmple(other[1]).all() && other[0].cmple(high).all()
 }
 
 /// Triangles in order, with the boxes of all levels.

@@ -12,7 +12,7 @@ use wgpu::{
 };
 
 use crate::{
-    GpuError,
+    GpuError, LatticeReceivers, LatticeScene,
     frame::{Emitted, GBuffer, History, Image, Light, LightImage, Mesh, Surface},
     image::{LightFormat, VisibilityFormat},
     recorder::Resource,
@@ -107,6 +107,17 @@ pub(crate) fn count_of(field: &'static str, count: u64) -> Result<u32, GpuError>
         Ok(count) if count <= MOST => Ok(count),
         _ => Err(GpuError::TooMany { field, count: count as usize, most: MOST as usize }),
     }
+}
+
+/// Whether indices can name all that a call is given, and all receivers, or none, face somewhere.
+pub(crate) fn counts_of(scene: &LatticeScene<'_>, receivers: LatticeReceivers<'_>) -> Result<(), GpuError> {
+    let LatticeReceivers { points, facings } = receivers;
+    if !facings.is_empty() && facings.len() != points.len() {
+        return Err(GpuError::FacingCount { facings: facings.len(), receivers: points.len() });
+    }
+    let counts =
+        [("vertices", scene.vertices.len()), ("triangles", scene.triangles.len()), ("receivers", points.len())];
+    counts.into_iter().try_for_each(|(field, count)| count_of(field, count as u64).map(|_| ()))
 }
 
 fn mesh_of(device: &Device, snap: SnapParams, mesh: &Mesh<'_>, field: &str) -> Result<Option<CheckedMesh>, GpuError> {

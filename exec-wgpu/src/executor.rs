@@ -22,7 +22,7 @@ use umbra4_core::{
 use crate::{
     Gpu, GpuError, LatticeReceivers, LatticeScene, Loading, Statistics, checks,
     host::{Asked, Host, Results},
-    light_run::{LightRun, faces_with, reaches},
+    light_run::{LightRun, RunLight, faces_with, reaches},
     recorder::Recorder,
     scratch::Scratch,
     stages::{BLOCK, Buffers, SMALLEST_SLICE, block, mask_layout, narrowest, slice},
@@ -52,12 +52,12 @@ const MOST_SAMPLES: u64 = MAX_SAMPLES as u64 * MAX_SAMPLES as u64;
 /// ```
 #[derive(Debug)]
 pub struct WgpuExecutor {
-    gpu: Gpu,
-    precision: Precision,
+    pub(crate) gpu: Gpu,
+    pub(crate) precision: Precision,
     loading: Loading,
-    counted: bool,
+    pub(crate) counted: bool,
     timed: bool,
-    block: u32,
+    pub(crate) block: u32,
     work: Mutex<Option<Work>>,
 }
 
@@ -246,21 +246,11 @@ impl WgpuExecutor {
         {
             return Err(GpuError::WordTooNarrow { columns, bits });
         }
-        let LatticeReceivers { points, facings } = receivers;
-        if !facings.is_empty() && facings.len() != points.len() {
-            return Err(GpuError::FacingCount { facings: facings.len(), receivers: points.len() });
-        }
-        let counts =
-            [("vertices", scene.vertices.len()), ("triangles", scene.triangles.len()), ("receivers", points.len())];
-        for (field, count) in counts {
-            checks::count_of(field, count as u64)?;
-        }
-        let Gpu { device, software, .. } = &self.gpu;
-        let layout = |slice| {
-            let reduction = if asked.weights.is_some() { Reduction::WeighedLight } else { Reduction::LitCounts };
-            MaskLayout { reduction, ..mask_layout(light, bits, self.precision, asked.counts, slice) }
-        };
-        let mut slice = slice(*software);
+        let LatticeReceivers { points, .. } = receivers;
+        checks::counts_of(scene, receivers)?;
+        let reduction = if asked.weights.is_some() { Reduction::WeighedLight } else { Reduction::LitCounts };
+        let layout = mask_layout(light, bits, self.precision, asked.counts, slice(self.gpu.software));
+        let layout = MaskLayout { reduction, ..layout };
         let faces = faces_with(light, points);
         let reached = reaches(light, receivers);
         let nothing = LatticeScene { vertices: &[], triangles: &[] };
@@ -269,14 +259,28 @@ impl WgpuExecutor {
             triangles: scene.triangles.len() as u32,
             receivers: points.len() as u32,
             visibility: asked.visibility,
-            block: block(&layout(slice), self.block),
+            block: block(&layout, self.block),
             jittered: matches!(light, AnyLight::Area(light) if light.jitter.is_some()),
             reached,
-            facing: !facings.is_empty(),
+            facing: !receivers.facings.is_empty(),
             punctual: matches!(light, AnyLight::Punctual(_)),
             ..SceneFacts::default()
         };
-        let plan = Plan::new(facts);
+        let bounds = bounds(scene.vertices.iter().chain(points));
+        let run = LightRun { light: RunLight::Any(*light), faces: faces.max(1), facts, layout, bounds };
+        self.run_light(run, scene, receivers, asked)
+    }
+
+    /// Runs the stages for a light, and once more with less to do for each thread where a driver stops them.
+    pub(crate) fn run_light(
+        &self,
+        mut run: LightRun<'_>,
+        scene: &LatticeScene<'_>,
+        receivers: LatticeReceivers<'_>,
+        asked: Asked<'_>,
+    ) -> Result<(Results, Statistics), GpuError> {
+        let device = &self.gpu.device;
+        let plan = Plan::new(run.facts);
         let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);
         let Work { recorder, scratch } = match &mut *work {
             Some(work) => work,
@@ -288,26 +292,25 @@ impl WgpuExecutor {
         };
         let compiling = recorder.pipelines().time();
         let start = Instant::now();
-        let bounds = bounds(scene.vertices.iter().chain(points));
         let results = loop {
-            let layout = layout(slice);
-            let mut buffers = Buffers::fit(scratch, device, &plan, &layout, scene.vertices.len() as u32)?;
+            let mut buffers = Buffers::fit(scratch, device, &plan, &run.layout, scene.vertices.len() as u32)?;
             if asked.weights.is_some() {
                 let weights = scratch.fit::<PackedWeight>(device, "weights", MOST_SAMPLES)?;
-                let sums = scratch.fit::<[u32; 3]>(device, "weighed light", points.len() as u64)?;
+                let sums = scratch.fit::<[u32; 3]>(device, "weighed light", receivers.points.len() as u64)?;
                 buffers.emission = Some([(&weights).into(), (&sums).into()]);
             }
-            let mut host = Host::new(&self.gpu, asked, layout.stride);
+            let mut host = Host::new(&self.gpu, asked, run.layout.stride);
             host.upload(&buffers, scene, receivers)?;
             recorder.restart();
             recorder.clear(&buffers.masks, buffers.stopped());
-            LightRun { light: *light, faces: faces.max(1), facts, layout, bounds }
-                .record(recorder, &buffers, &mut host)?;
+            run.record(recorder, &buffers, &mut host)?;
             let results = host.finish(recorder, &buffers)?;
             match results.stopped {
                 false => break results,
                 // The driver ended threads before they were done: they get less to do.
-                true if slice > SMALLEST_SLICE => slice = (slice / NODE as u32).max(SMALLEST_SLICE),
+                true if run.layout.slice > SMALLEST_SLICE => {
+                    run.layout.slice = (run.layout.slice / NODE as u32).max(SMALLEST_SLICE);
+                }
                 true => return Err(GpuError::Stopped { adapter: self.gpu.name.clone() }),
             }
         };
@@ -318,7 +321,8 @@ impl WgpuExecutor {
     }
 }
 
-fn bounds<'a>(points: impl Iterator<Item = &'a IVec3>) -> [IVec3; 2] {
+/// The box around points.
+pub(crate) fn bounds<'a>(points: impl Iterator<Item = &'a IVec3>) -> [IVec3; 2] {
     points.fold([IVec3::MAX, IVec3::MIN], |[low, high], p| [low.min(*p), high.max(*p)])
 }
 

@@ -3,6 +3,7 @@
 use umbra4_core::{
     kernel::{
         resolve::{ReceiverCounts, STOPPED},
+        resolve_cloud::SampleTile,
         weigh::PackedWeight,
     },
     stage::Stage,
@@ -19,13 +20,15 @@ use crate::{
 };
 
 /// What is asked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Asked<'a> {
     pub(crate) masks: bool,
     pub(crate) counts: bool,
     pub(crate) visibility: bool,
     /// Those of the light's samples: visibility comes as sums of them.
     pub(crate) weights: Option<&'a [PackedWeight]>,
+    /// Those of a cloud.
+    pub(crate) samples: &'a [SampleTile],
 }
 
 /// What came back.
@@ -71,8 +74,9 @@ impl<'a> Host<'a> {
         let weights = buffers.emission.as_ref().and_then(|[weights, _]| weights.buffer()).zip(self.asked.weights);
         let weights = weights.map(|(buffer, weights)| (buffer, bytemuck::cast_slice(weights)));
         let facings = buffers.facings.as_ref().map(|buffer| (buffer, bytemuck::cast_slice(receivers.facings)));
+        let samples = buffers.samples.as_ref().map(|buffer| (buffer, bytemuck::cast_slice(self.asked.samples)));
         guarded(device, "uploads a scene", || {
-            for (buffer, bytes) in parts.into_iter().chain(weights).chain(facings) {
+            for (buffer, bytes) in parts.into_iter().chain(weights).chain(facings).chain(samples) {
                 queue.write_buffer(buffer, 0, bytes);
             }
         })

@@ -4,6 +4,7 @@
 //! builds it. Masks, lit counts and visibility are the same bits as those of any other executor.
 
 mod checks;
+mod clouds;
 mod error;
 mod executor;
 mod frame;

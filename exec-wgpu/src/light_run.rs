@@ -1,6 +1,8 @@
 //! A light's run: the stages in each of its frames, one after the other.
 
-use umbra4_core::{AnyLight, Facing, Plan, SceneFacts, glam::IVec3, kernel::dispatch::MaskLayout};
+use umbra4_core::{
+    AnyLight, Facing, Plan, SceneFacts, cloud_tiles::CloudTiles, glam::IVec3, kernel::dispatch::MaskLayout,
+};
 
 use crate::{
     GpuError, LatticeReceivers,
@@ -9,10 +11,18 @@ use crate::{
     told::Told,
 };
 
+/// What shines in a run.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum RunLight<'a> {
+    Any(AnyLight),
+    /// Samples in the order of a mask's bits.
+    Cloud(&'a CloudTiles<'a>),
+}
+
 /// A light, and what is asked of it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct LightRun {
-    pub(crate) light: AnyLight,
+pub(crate) struct LightRun<'a> {
+    pub(crate) light: RunLight<'a>,
     /// Faces of a light without extent that are looked through: bit f is face f. At least one.
     pub(crate) faces: u32,
     pub(crate) facts: SceneFacts,
@@ -49,7 +59,7 @@ pub(crate) fn reaches(light: &AnyLight, receivers: LatticeReceivers<'_>) -> bool
     })
 }
 
-impl LightRun {
+impl LightRun<'_> {
     /// Records the stages, between the given ends.
     pub(crate) fn record(
         &self,
@@ -58,13 +68,17 @@ impl LightRun {
         ends: &mut impl Ends,
     ) -> Result<(), GpuError> {
         let Self { light, faces, facts, layout, bounds } = self;
+        let plan = Plan::new(*facts);
         let light = match light {
-            AnyLight::Area(light) => {
-                let plan = Plan::new(*facts);
+            RunLight::Any(AnyLight::Area(light)) => {
                 let told = Told::area(light, *bounds, plan.levels());
                 return Stages::new(&plan, *layout, told, recorder, buffers, ends).run();
             }
-            AnyLight::Punctual(light) => light,
+            RunLight::Cloud(cloud) => {
+                let told = Told::cloud(cloud, *bounds, plan.levels());
+                return Stages::new(&plan, *layout, told, recorder, buffers, ends).run();
+            }
+            RunLight::Any(AnyLight::Punctual(light)) => light,
         };
         for face in (0..light.faces()).filter(|face| faces >> face & 1 == 1) {
             // Of the faces, the first brings what all look at, and after the last all masks are there.

@@ -29,7 +29,7 @@ use crate::{
     frame::{Emitted, Frame, History, Image, Lamp, Light, LightImage, Resolution},
     gpu::check_limits,
     image::VisibilityFormat,
-    light_run::{LightRun, all_faces},
+    light_run::{LightRun, RunLight, all_faces},
     readback::{copy, read},
     recorder::{Recorder, Resource},
     scratch::Scratch,
@@ -258,7 +258,7 @@ impl SoftShadows {
                 masks: light.masks,
                 stride: layout.stride,
             };
-            let run = LightRun { light: own.light, faces: all_faces(&own.light), facts, layout, bounds };
+            let run = LightRun { light: RunLight::Any(own.light), faces: all_faces(&own.light), facts, layout, bounds };
             run.record(&mut self.recorder, &buffers, &mut ends)?;
             if let (Some(image), Some(format), Some(lit)) = (&light.visibility, own.format, &buffers.lit) {
                 let lit = match &pixels {

@@ -1,14 +1,17 @@
 //! The stages as dispatches, over the buffers of a run.
 
 use umbra4_core::{
-    AnyLight, Executor, Pass, Plan,
+    AnyLight, Executor, IndexKind, Pass, Plan,
+    cloud::MAX_CLOUD,
     kernel::{
         Kernel,
         dispatch::{self, MaskLayout, Reduction, Role, dispatches},
         resolve::{ReceiverCounts, stride},
+        resolve_cloud::SampleTile,
     },
     precision::Precision,
     proj4::{KeyTile, NODE},
+    shaft::BoxTile,
     stage::Stage,
 };
 use wgpu::{Buffer, Device};
@@ -22,6 +25,8 @@ use crate::{
 
 /// Bytes that the masks of a block take, at most.
 const MASK_BYTES: u64 = 64 << 20;
+/// Tiles of a cloud, at most.
+const SAMPLE_TILES: u64 = (MAX_CLOUD / NODE) as u64;
 /// Receivers of a block, at most.
 pub(crate) const BLOCK: u32 = 1 << 20;
 /// Triangles that a dispatch looks at, at first: lavapipe ends loops after 65,535 rounds.
@@ -44,6 +49,17 @@ pub(crate) fn mask_layout(light: &AnyLight, bits: u32, precision: Precision, cou
         AnyLight::Punctual(_) => (punctual_kernel(precision, counted), 1),
     };
     MaskLayout { resolve, stride, counted, slice, reduction: Reduction::LitCounts }
+}
+
+/// The same of the masks of a cloud, in `words` words of 32 bits.
+pub(crate) fn cloud_layout(words: u32, precision: Precision, counted: bool, slice: u32) -> MaskLayout {
+    let resolve = match (precision, counted) {
+        (Precision::Exact, false) => Kernel::ResolveCloudExact,
+        (Precision::Exact, true) => Kernel::ResolveCloudExactCounted,
+        (Precision::Fast, false) => Kernel::ResolveCloudFast,
+        (Precision::Fast, true) => Kernel::ResolveCloudFastCounted,
+    };
+    MaskLayout { resolve, stride: words, counted, slice, reduction: Reduction::LitCounts }
 }
 
 /// Receivers of a block: at most `most`, and no more than the memory for masks holds.
@@ -101,6 +117,7 @@ pub(crate) struct Buffers {
     pub(crate) lit: Option<Buffer>,
     /// Of an emission: the weights, and where their sums go. Whoever asks for sums brings them.
     pub(crate) emission: Option<[Resource; 2]>,
+    pub(crate) samples: Option<Buffer>,
     triangle_keys: Buffer,
     triangle_order: Buffer,
     occluders: Buffer,
@@ -130,17 +147,21 @@ impl Buffers {
         let masked = if facts.punctual { receivers } else { u64::from(block) };
         // One more word says whether a thread was stopped.
         let masks = masked * u64::from(layout.stride) + 1;
+        let (cloud, tiles) = (facts.index == IndexKind::Shafts, plan.levels().tiles() as u64);
+        // Before a cloud nothing has keys.
+        let keyed = |count: u64| if cloud { 0 } else { count };
         let mut fit = Fit { scratch, device };
         Ok(Self {
             vertices: fit.of::<[i32; 3]>("vertices", u64::from(vertices))?,
             triangles: fit.of::<[u32; 3]>("triangles", triangles)?,
-            triangle_keys: fit.of::<[f32; 5]>("keys of triangles", triangles)?,
+            triangle_keys: fit.of::<[f32; 5]>("keys of triangles", keyed(triangles))?,
             triangle_order: fit.of::<[u32; 2]>("order of triangles", triangles)?,
             occluders: fit.of::<[[i32; 4]; 3]>("triangles in order", triangles)?,
-            nodes: fit.of::<KeyTile>("nodes", plan.levels().tiles() as u64)?,
+            nodes: if cloud { fit.of::<BoxTile>("boxes", tiles)? } else { fit.of::<KeyTile>("nodes", tiles)? },
+            samples: if cloud { Some(fit.of::<SampleTile>("samples", SAMPLE_TILES)?) } else { None },
             receivers: fit.of::<[i32; 3]>("receivers", receivers)?,
             facings: if facts.facing { Some(fit.of::<u32>(FACINGS, receivers)?) } else { None },
-            receiver_keys: fit.of::<[f32; 5]>("keys of receivers", u64::from(block))?,
+            receiver_keys: fit.of::<[f32; 5]>("keys of receivers", keyed(u64::from(block)))?,
             receiver_order: fit.of::<[u32; 2]>("order of receivers", u64::from(block))?,
             spare_order: fit.of::<[u32; 2]>("order", u64::from(sorted))?,
             counters: fit.of::<u32>("counters", dispatch::counters(sorted))?,
@@ -179,6 +200,7 @@ impl Buffers {
             Role::Counts => self.counts.as_ref().unwrap_or(&self.masks),
             Role::LitCounts => self.lit.as_ref().unwrap_or(&self.masks),
             Role::Facings => self.facings.as_ref().unwrap_or(&self.masks),
+            Role::Samples => self.samples.as_ref().unwrap_or(&self.masks),
             Role::Weights | Role::WeighedLight => match &self.emission {
                 Some([weights, _]) if role == Role::Weights => return weights.clone(),
                 Some([_, sums]) => return sums.clone(),
@@ -268,7 +290,11 @@ impl<E: Ends> Executor for Stages<'_, E> {
         }
         // No plan of a light without extent has the stage resolve, and none of it ends a block.
         let facts = plan.facts();
-        let last = if facts.visibility { Stage::Reduce } else { Stage::Resolve };
+        let last = match facts.index {
+            _ if facts.visibility => Stage::Reduce,
+            IndexKind::Shafts => Stage::ResolveCloud,
+            _ => Stage::Resolve,
+        };
         if pass.stage == last && !facts.punctual { self.end_block(pass.first) } else { Ok(()) }
     }
 }

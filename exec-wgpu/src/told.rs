@@ -2,13 +2,14 @@
 
 use umbra4_core::{
     LatticeLight, Punctual,
+    cloud_tiles::CloudTiles,
     edge_plane::LightGrid,
     glam::IVec3,
     hierarchy::Levels,
     jitter::Pattern,
     kernel::{ParamsKind, dispatch::Dispatch},
-    order::CodeFrame,
-    params::{JitteredParams, Params, PunctualParams},
+    order::{BoxCurve, CodeFrame},
+    params::{CloudParams, JitteredParams, Params, PunctualParams},
 };
 
 use crate::{
@@ -25,6 +26,7 @@ pub(crate) enum Told {
         pattern: Option<Box<Pattern>>,
     },
     Punctual(PunctualParams),
+    Cloud(CloudParams),
 }
 
 impl Told {
@@ -41,6 +43,11 @@ impl Told {
         Self::Punctual(PunctualParams::new(light, face, &codes, levels))
     }
 
+    /// Of a cloud. `bounds` as in [`Told::area`].
+    pub(crate) fn cloud(cloud: &CloudTiles<'_>, bounds: [IVec3; 2], levels: &Levels) -> Self {
+        Self::Cloud(CloudParams::new(cloud.extent(), cloud.len() as u32, &BoxCurve::through(bounds), levels))
+    }
+
     /// Records a dispatch.
     pub(crate) fn record(
         &self,
@@ -52,9 +59,11 @@ impl Told {
         let plain = match self {
             Self::Area { params, .. } => params.with_pass(pass),
             Self::Punctual(params) => params.params.with_pass(pass),
+            Self::Cloud(params) => params.params.with_pass(pass),
         };
         match (self, kernel.info().params) {
             (Self::Punctual(params), ParamsKind::PunctualLight) => recorder.add(*kernel, params.with_pass(pass), bound),
+            (Self::Cloud(params), ParamsKind::Cloud) => recorder.add(*kernel, params.with_pass(pass), bound),
             (Self::Area { pattern: Some(pattern), .. }, ParamsKind::JitteredLight) => {
                 recorder.add(*kernel, JitteredParams { params: plain, pattern: **pattern }, bound)
             }

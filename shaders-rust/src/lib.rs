@@ -15,12 +15,16 @@ use umbra4_core::{
     Exact, Fast, PairWord,
     gbuffer::ViewParams,
     jitter::{Pattern, Regular},
-    kernel::{self, resolve::ReceiverCounts, snap_receivers, status::Status, weigh::PackedWeight},
+    kernel::{
+        self, order_cloud, resolve::ReceiverCounts, resolve_cloud::SampleTile, snap_receivers, status::Status,
+        weigh::PackedWeight,
+    },
     mesh::MeshParams,
     occluder::Occluder,
     order::Entry,
-    params::{JitteredParams, Params, PunctualParams},
+    params::{CloudParams, JitteredParams, Params, PunctualParams},
     proj4::{KeyTile, Keys},
+    shaft::BoxTile,
 };
 
 /// Kernels that make keys, of one kind of light.
@@ -300,6 +304,116 @@ macro_rules! resolve_punctual {
 resolve_punctual! {
     resolve_punctual_exact, resolve_punctual_exact_counted: Exact;
     resolve_punctual_fast, resolve_punctual_fast_counted: Fast;
+}
+
+/// See `umbra4_core::kernel::order_cloud`.
+#[spirv(compute(threads(64)))]
+pub fn key_cloud_triangles(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &CloudParams,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] vertices: &[[i32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] triangles: &[[u32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] order: &mut [Entry],
+) {
+    let id = kernel::id(thread.to_array(), params);
+    order_cloud::key_cloud_triangles(id, params, vertices, triangles, order);
+}
+
+/// See `umbra4_core::kernel::order_cloud`.
+#[spirv(compute(threads(64)))]
+pub fn key_cloud_receivers(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &CloudParams,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] order: &mut [Entry],
+) {
+    order_cloud::key_cloud_receivers(kernel::id(thread.to_array(), params), params, receivers, order);
+}
+
+/// See `umbra4_core::kernel::order_cloud`.
+#[spirv(compute(threads(64)))]
+pub fn settle_cloud_receivers(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &CloudParams,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] facings: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] order: &mut [Entry],
+) {
+    let id = kernel::id(thread.to_array(), params);
+    order_cloud::settle_cloud_receivers(id, params, receivers, facings, order);
+}
+
+/// See `umbra4_core::kernel::order_cloud`.
+#[spirv(compute(threads(64)))]
+pub fn order_cloud_triangles(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &CloudParams,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] vertices: &[[i32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] triangles: &[[u32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] order: &[Entry],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] occluders: &mut [Occluder],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] nodes: &mut [BoxTile],
+) {
+    let id = kernel::id(thread.to_array(), params);
+    order_cloud::order_cloud_triangles(id, params, vertices, triangles, order, occluders, nodes);
+}
+
+/// See `umbra4_core::kernel::order_cloud`.
+#[spirv(compute(threads(64)))]
+pub fn build_box_level(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &Params,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] nodes: &mut [BoxTile],
+) {
+    order_cloud::build_box_level(kernel::id(thread.to_array(), params), params, nodes);
+}
+
+macro_rules! resolve_cloud {
+    ($($name:ident, $counted:ident: $precision:ty;)*) => {
+        $(
+            /// See `umbra4_core::kernel::resolve_cloud`.
+            #[spirv(compute(threads(64)))]
+            pub fn $name(
+                #[spirv(global_invocation_id)] thread: UVec3,
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &CloudParams,
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] order: &[Entry],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] occluders: &[Occluder],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] nodes: &[BoxTile],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] samples: &[SampleTile],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] masks: &mut [u32],
+            ) {
+                let id = kernel::id(thread.to_array(), params);
+                kernel::resolve_cloud::resolve_cloud::<$precision>(
+                    id, params, receivers, order, occluders, nodes, samples, masks,
+                );
+            }
+
+            /// See `umbra4_core::kernel::resolve_cloud`.
+            #[spirv(compute(threads(64)))]
+            pub fn $counted(
+                #[spirv(global_invocation_id)] thread: UVec3,
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &CloudParams,
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] receivers: &[[i32; 3]],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] order: &[Entry],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] occluders: &[Occluder],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] nodes: &[BoxTile],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] samples: &[SampleTile],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] masks: &mut [u32],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] counts: &mut [ReceiverCounts],
+            ) {
+                let id = kernel::id(thread.to_array(), params);
+                kernel::resolve_cloud::resolve_cloud_counted::<$precision>(
+                    id, params, receivers, order, occluders, nodes, samples, masks, counts,
+                );
+            }
+        )*
+    };
+}
+
+resolve_cloud! {
+    resolve_cloud_exact, resolve_cloud_exact_counted: Exact;
+    resolve_cloud_fast, resolve_cloud_fast_counted: Fast;
 }
 
 /// See `umbra4_core::kernel::weigh`.

@@ -9,13 +9,15 @@
 //! | [`compare`] | are two results the same bits? |
 //! | [`scene`], [`scenes`], [`meshes`], [`grids`] | scenes in lattice integers or world floats, deterministic |
 //! | [`hard_cases`] | the named cases, each with what must hold beyond equality with the oracle |
-//! | [`hard_shadows`], [`weights`], [`facings`] | lights without extent; emissions; receivers that face some way |
+//! | [`hard_shadows`], [`weights`], [`clouds`] | lights without extent; emissions; clouds of samples |
+//! | [`facings`] | receivers that face some way |
 //! | [`gpu`], [`device`] | the executor on a GPU, for the suite; an engine's buffers and textures |
 //! | [`alone`] | one kernel alone, on a device and on the host |
 //! | [`suite`], [`ledger`] | one suite, instantiated per word width and executor, and its totals |
 
 pub mod alone;
 pub mod bigint;
+pub mod clouds;
 pub mod compare;
 pub mod device;
 pub mod facings;

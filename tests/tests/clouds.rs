@@ -1,108 +1,30 @@
 //! Clouds of samples: every bit of every instruction set against the oracle, sample by sample, on the suite's scenes, with samples put
 //! where signs are zero.
 
-use rayon::prelude::*;
 use umbra4_core::{
-    Bounds, Jitter, Lattice, Precision, Punctual, SphereLight,
+    Bounds, Jitter, Lattice, Precision, Punctual,
     cloud::{Cloud, CloudError, MAX_CLOUD},
     cloud_table::{CloudTable, TableSize},
+    cloud_tiles::CloudTiles,
+    exact::{Wide, far_side},
     glam::{DVec3, IVec3},
     snap::LIMIT,
     stage::Stage,
 };
-use umbra4_cpu::{CpuExecutor, Isa, Occluders, Receivers};
+use umbra4_cpu::{CpuExecutor, Isa};
 use umbra4_tests::{
+    clouds::{Case, KINDS, ball, beside_the_outermost, oracle, property, samples},
     compare::{Amount, Compared, compare_masks, compare_visibility},
     ledger::say,
     meshes::{Mesh, icosphere},
-    oracle::{behind, hit},
+    oracle::behind,
     rng::Rng,
-    scene::{Inputs, REACH, Scene},
-    scenes::{EXPONENTS, GENERATORS, SampleGrid},
+    scene::Inputs,
+    scenes::{GENERATORS, SampleGrid},
 };
 
 /// Scenes of each generator.
 const ROUNDS: usize = 8;
-
-/// Questions to the oracle that a case may take.
-const QUESTIONS: usize = 500_000;
-
-/// Sizes of clouds: around words, tiles of sixteen, and the most.
-const SIZES: [usize; 16] = [1, 2, 15, 16, 17, 31, 32, 33, 64, 100, 255, 256, 257, 500, 1023, MAX_CLOUD];
-
-/// The masks from the rule alone: words of 32 bits, receiver-major.
-fn oracle(samples: &[IVec3], receivers: &[IVec3], triangles: &[[IVec3; 3]]) -> Vec<u64> {
-    let bit = |p: IVec3, s: IVec3| u64::from(triangles.iter().any(|&t| hit(p, s, t)));
-    let word = |p: IVec3, of_word: &[IVec3]| of_word.iter().enumerate().map(|(k, &s)| bit(p, s) << k).sum::<u64>();
-    receivers.par_iter().flat_map_iter(|&p| samples.chunks(32).map(move |of_word| word(p, of_word))).collect()
-}
-
-fn inside(p: IVec3) -> IVec3 {
-    p.clamp(IVec3::splat(-REACH), IVec3::splat(REACH))
-}
-
-/// Kinds of clouds: anywhere, on geometry, among receivers, on a line, in a plane, the samples of the scene's area light, a
-/// sphere around a vertex, the lattice's outermost points, all in one place.
-const KINDS: [&str; 9] =
-    ["anywhere", "on geometry", "among receivers", "line", "plane", "area", "sphere", "outermost", "one place"];
-
-/// A cloud for a scene; of `size` samples, but for the kind "area".
-fn samples(rng: &mut Rng, scene: &Scene, kind: &str, size: usize) -> Vec<IVec3> {
-    let corners = |rng: &mut Rng| match scene.mesh.triangles.len() {
-        0 => [rng.point(1 << 20), rng.point(1 << 20), rng.point(1 << 20)],
-        count => scene.mesh.triangles[rng.below(count)].map(|vertex| scene.mesh.vertices[vertex as usize]),
-    };
-    let far = |points: &[IVec3]| points.iter().map(|p| p.abs().max_element()).max().unwrap_or(REACH);
-    let extent = far(&scene.mesh.vertices).max(far(&scene.receivers)).min(REACH);
-    let [a, b, c] = corners(rng);
-    let center = if rng.one_in(2) { a } else { rng.point(extent) };
-    let spread = (extent >> rng.below(14)).max(1);
-    let [along, across] = [rng.point(spread), rng.point(spread)];
-    match kind {
-        "area" => {
-            let light = scene.light;
-            (0..light.rows).flat_map(|i| (0..light.columns).map(move |j| light.sample(i, j))).collect()
-        }
-        "sphere" => {
-            let bounds = Bounds { min: DVec3::splat(-1024.0), max: DVec3::splat(1024.0) };
-            let lattice = Lattice::covering(bounds).expect("bounds are fine");
-            let radius = f64::from(spread.clamp(64, 1 << 26)) * lattice.step();
-            let center = lattice.to_world(center.clamp(IVec3::splat(-(1 << 28)), IVec3::splat(1 << 28)));
-            let light = SphereLight { center, radius }.snap(&lattice, vec![IVec3::ZERO; size]);
-            light.unwrap_or_else(|error| panic!("{error}")).samples().to_vec()
-        }
-        _ => {
-            let mut sample = || match kind {
-                "anywhere" => center + rng.point(spread),
-                "on geometry" => {
-                    let [a, b, c] = corners(rng);
-                    match rng.below(6) {
-                        0 => a,
-                        1 => a + (b - a) / 2,
-                        2 => b + (b - a) / 4,
-                        3 => a + (b - a) / 4 + (c - a) / 4,
-                        4 => a + (b - a) / 2 - (c - a) / 4,
-                        _ => a + rng.point(1),
-                    }
-                }
-                "among receivers" => match scene.receivers.len() {
-                    0 => rng.point(extent),
-                    count => {
-                        let p = scene.receivers[rng.below(count)];
-                        if rng.one_in(2) { p } else { p + rng.point(spread) }
-                    }
-                },
-                "line" => center + along / 64 * rng.around(64),
-                "plane" if rng.one_in(2) => center + along / 64 * rng.around(64) + across / 64 * rng.around(64),
-                // That of a triangle.
-                "plane" => a + (b - a) / 64 * rng.around(64) + (c - a) / 64 * rng.around(32),
-                "outermost" => rng.point(1) * REACH,
-                _ => center,
-            };
-            (0..size).map(|_| inside(sample())).collect()
-        }
-    }
-}
 
 fn executors() -> Vec<CpuExecutor> {
     let executor = |(k, isa)| CpuExecutor::new().with_isa(isa).with_threads(1 + k % 2).expect("threads can be started");
@@ -132,51 +54,33 @@ fn every_bit_is_the_oracle_s() {
     let executors = executors();
     let (mut total, mut cases, mut fallbacks, mut partly, mut fast) = (Compared::default(), 0, 0, 0_u64, 0);
     let mut of_kind = [Compared::default(); KINDS.len()];
-    for (name, generator) in GENERATORS {
-        let mut rng = Rng::named(0, &format!("cloud {name}"));
-        let (mut of_generator, mut case) = (Compared::default(), 0);
-        for round in 0..ROUNDS {
-            let grid = SampleGrid::regular(1 + rng.below(32) as u32, 1 + rng.below(32) as u32);
-            let scene = generator(&mut rng, grid);
-            for (kind, of_kind) in KINDS.into_iter().zip(&mut of_kind) {
-                case += 1;
-                let size =
-                    if kind == "one place" { rng.pick(&[1, 2, 33]) } else { SIZES[(case + round) % SIZES.len()] };
-                let mut samples = samples(&mut rng, &scene, kind, size);
-                samples.truncate((QUESTIONS / (1 + scene.mesh.triangles.len())).max(1));
-                let mut scene = scene.clone();
-                if kind == "among receivers" && rng.one_in(2) {
-                    scene.receivers.push(rng.pick(&samples));
-                }
-                scene.receivers.truncate(1 + QUESTIONS / (1 + scene.mesh.triangles.len()) / samples.len());
-                let inputs = scene.inputs(EXPONENTS[round % EXPONENTS.len()]);
-                let cloud = Cloud::new(&samples[..]).expect("samples are inside");
-                let expected = oracle(&samples, inputs.receivers.points(), &inputs.triangles());
-                let what = format!("{name}, scene {round}, {kind}, {} samples", samples.len());
-                let mut found = None;
-                for executor in &executors {
-                    let decided = check(executor, &inputs, &cloud, &expected)
-                        .unwrap_or_else(|error| panic!("{what}, {}: {error}", executor.isa()));
-                    found = Some(decided);
-                }
-                fallbacks += found.unwrap_or(0);
-                let quick = CpuExecutor::new().with_precision(Precision::Fast);
-                let (masks, statistics) =
-                    quick.cloud_masks(&inputs.occluders, &cloud, &inputs.receivers).expect("it fits");
-                let differing = expected.iter().zip(masks.words()).map(|(e, m)| (*e as u32 ^ m).count_ones());
-                assert_eq!(statistics.counts.fallbacks, 0, "{what}");
-                fast += u64::from(differing.sum::<u32>());
-                for mask in expected.chunks(cloud.words()) {
-                    let blocked: u32 = mask.iter().map(|word| word.count_ones()).sum();
-                    partly += u64::from(blocked > 0 && (blocked as usize) < samples.len());
-                    for compared in [&mut total, &mut of_generator, of_kind] {
-                        compared.bits += samples.len() as u64;
-                        compared.blocked += u64::from(blocked);
-                    }
-                }
-                cases += 1;
+    for (name, _) in GENERATORS {
+        let mut of_generator = Compared::default();
+        property(name, ROUNDS, |case| {
+            let Case { what, kind, inputs, cloud, expected } = case;
+            let mut found = None;
+            for executor in &executors {
+                let decided = check(executor, inputs, cloud, expected)
+                    .unwrap_or_else(|error| panic!("{what}, {}: {error}", executor.isa()));
+                found = Some(decided);
             }
-        }
+            fallbacks += found.unwrap_or(0);
+            let quick = CpuExecutor::new().with_precision(Precision::Fast);
+            let (masks, statistics) = quick.cloud_masks(&inputs.occluders, cloud, &inputs.receivers).expect("it fits");
+            let differing = expected.iter().zip(masks.words()).map(|(e, m)| (*e as u32 ^ m).count_ones());
+            assert_eq!(statistics.counts.fallbacks, 0, "{what}");
+            fast += u64::from(differing.sum::<u32>());
+            let samples = cloud.samples().len();
+            for mask in expected.chunks(cloud.words()) {
+                let blocked: u32 = mask.iter().map(|word| word.count_ones()).sum();
+                partly += u64::from(blocked > 0 && (blocked as usize) < samples);
+                for compared in [&mut total, &mut of_generator, &mut of_kind[*kind]] {
+                    compared.bits += samples as u64;
+                    compared.blocked += u64::from(blocked);
+                }
+            }
+            cases += 1;
+        });
         assert!(of_generator.blocked > 0 && of_generator.blocked < of_generator.bits, "{name}: {of_generator:?}");
     }
     for (kind, compared) in KINDS.into_iter().zip(of_kind) {
@@ -193,7 +97,6 @@ fn every_bit_is_the_oracle_s() {
     ));
 }
 
-/// One sample is a point light.
 /// Planes that pass just inside, through and beyond the outermost sample of a large light, whose extent no float holds.
 #[test]
 fn planes_beside_the_outermost_sample() {
@@ -201,26 +104,12 @@ fn planes_beside_the_outermost_sample() {
     let mut rng = Rng::named(0, "outermost sample");
     let (mut blocked, mut clear) = (0, 0);
     for round in 0..600 {
-        let axis = rng.below(3);
-        let half = (1 << (24 + rng.below(4))) + 2 * rng.below(1 << 20) as i32 + 1;
-        let turned = |along: i32, u: i32, v: i32| {
-            let mut p = [0; 3];
-            (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (along, u, v);
-            IVec3::from_array(p)
-        };
-        let samples = [turned(half, 0, 0), turned(-half, 0, 0)];
-        let plane = half - rng.around(16);
-        let size = 50 + rng.below(1 << 12) as i32;
-        let triangle = [turned(plane, -size, -size), turned(plane, size, -size), turned(plane, 0, 2 * size)];
-        let receivers = vec![turned(plane + 100, 0, 0), turned(plane + 1, 1, -1), turned(half + 40, 3, 5)];
-        let mesh = Mesh { vertices: triangle.to_vec(), triangles: vec![[0, 1, 2]] };
-        let light = GENERATORS[0].1(&mut Rng::named(0, "a light"), SampleGrid::regular(1, 1)).light;
-        let inputs = Scene { light, receivers, mesh }.inputs(0);
+        let (samples, inputs) = beside_the_outermost(&mut rng);
         let expected = oracle(&samples, inputs.receivers.points(), &inputs.triangles());
         let cloud = Cloud::new(&samples[..]).expect("samples are inside");
         for executor in &executors {
             check(executor, &inputs, &cloud, &expected)
-                .unwrap_or_else(|error| panic!("case {round}, {samples:?}, {triangle:?}, {}: {error}", executor.isa()));
+                .unwrap_or_else(|error| panic!("case {round}, {samples:?}, {}: {error}", executor.isa()));
         }
         blocked += expected.iter().filter(|mask| **mask & 1 == 1).count();
         clear += expected.iter().filter(|mask| **mask & 1 == 0).count();
@@ -228,6 +117,7 @@ fn planes_beside_the_outermost_sample() {
     assert!(blocked > 100 && clear > 100, "{blocked} blocked, {clear} not");
 }
 
+/// One sample is a point light.
 #[test]
 fn one_sample_is_a_point() {
     let (executor, mut blocked, mut bits) = (CpuExecutor::new(), 0, 0);
@@ -280,23 +170,6 @@ fn the_samples_of_an_area_light_are_that_light() {
         }
     }
     assert!(blocked > bits / 50 && blocked < bits, "{blocked} of {bits}");
-}
-
-/// A ball over a floor, before a sphere: a scene as they are, large enough for a hierarchy of some levels and several jobs.
-fn ball(subdivisions: u32, side: i32) -> (Occluders, Receivers, Cloud<Vec<IVec3>>) {
-    let lattice =
-        Lattice::covering(Bounds { min: DVec3::splat(-8.0), max: DVec3::splat(8.0) }).expect("bounds are fine");
-    let unit = (1.0 / lattice.step()) as i32;
-    let mesh = icosphere(IVec3::new(0, unit, 0), subdivisions, |_| f64::from(unit));
-    let world = |p: &IVec3| lattice.to_world(*p);
-    let vertices: Vec<DVec3> = mesh.vertices.iter().map(world).collect();
-    let occluders = Occluders::from_f64(&lattice, &vertices, &mesh.triangles).expect("vertices are inside");
-    let step = 4.0 / f64::from(side);
-    let points = (0..side).flat_map(|i| (0..side).map(move |j| (f64::from(i) * step - 2.0, f64::from(j) * step - 2.0)));
-    let points: Vec<DVec3> = points.map(|(x, z)| DVec3::new(x, -0.25, z)).collect();
-    let receivers = Receivers::raw_f64(&lattice, &points).expect("points are inside");
-    let light = SphereLight { center: DVec3::new(1.0, 6.0, 0.5), radius: 0.75 };
-    (occluders, receivers, light.snap(&lattice, vec![IVec3::ZERO; 256]).expect("it fits"))
 }
 
 #[test]
@@ -408,6 +281,40 @@ fn a_wrong_bit_is_noticed() {
     let mut samples = cloud.samples().to_vec();
     samples.swap(0, 255);
     assert!(check(&executor, &inputs, &Cloud::new(&samples[..]).expect("as before"), &expected).is_err());
+}
+
+/// Triangles are oriented right in short floats too, as a GPU does it: or both sides of them are looked at.
+#[test]
+fn short_floats_orient_triangles() {
+    let mut rng = Rng::named(0, "orientation");
+    let (mut turned, mut kept, mut mixed, mut nothing) = (0, 0, 0, 0);
+    for round in 0..20_000 {
+        let reach = rng.pick(&[4, 1000, 1 << 20, LIMIT - 1]);
+        let less = 1 + (reach >> rng.below(12));
+        let samples = [rng.point(reach), rng.point(reach), rng.point(less)];
+        let cloud = Cloud::new(&samples[..]).expect("samples are inside");
+        let tiles = CloudTiles::new(cloud.samples());
+        let a = if rng.one_in(3) { samples[0] } else { rng.point(reach) };
+        let corners = [a, rng.point(reach), if rng.one_in(9) { a } else { rng.point(reach) }];
+        let side = |[a, b, c]: [IVec3; 3], s: IVec3| -far_side::<Wide>(s, [a, b, c]);
+        for found in [tiles.extent().occluder::<f32>(corners), tiles.extent().occluder::<f64>(corners)] {
+            let what = format!("case {round}: {samples:?} before {corners:?}");
+            match found {
+                None => {
+                    assert!(samples.iter().all(|s| side(corners, *s) == 0), "{what}");
+                    nothing += 1;
+                }
+                Some(occluder) if occluder.is_mixed() => mixed += 1,
+                Some(occluder) => {
+                    assert!(samples.iter().all(|s| side(occluder.corners(), *s) > 0), "{what}");
+                    *(if occluder.corners() == corners { &mut kept } else { &mut turned }) += 1;
+                }
+            }
+        }
+    }
+    for count in [turned, kept, mixed, nothing] {
+        assert!(count > 1000, "{turned} turned, {kept} kept, {mixed} mixed, {nothing} nothing");
+    }
 }
 
 #[test]

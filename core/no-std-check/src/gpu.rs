@@ -15,12 +15,16 @@ use umbra4_core::{
         half::{thin, upsample},
         key_receivers::key_receivers,
         key_triangles::key_triangles,
+        order_cloud::{
+            build_box_level, key_cloud_receivers, key_cloud_triangles, order_cloud_triangles, settle_cloud_receivers,
+        },
         order_triangles::order_triangles,
         pack::pack,
         pack_light::pack_light,
         probe::probe,
         reduce::reduce,
         resolve::{DeviceWord, ReceiverCounts, resolve_counted},
+        resolve_cloud::{SampleTile, resolve_cloud_counted},
         resolve_punctual::resolve_punctual_counted,
         settle_receivers::{settle_punctual_receivers, settle_receivers},
         snap_receivers::{snap_depth, snap_position, upwards, upwards_of},
@@ -32,9 +36,10 @@ use umbra4_core::{
     mesh::MeshParams,
     occluder::Occluder,
     order::Entry,
-    params::{JitteredParams, Params, PunctualParams},
+    params::{CloudParams, JitteredParams, Params, PunctualParams},
     plan::{Pass, Plan},
     proj4::{KeyTile, Keys},
+    shaft::BoxTile,
     surface::Upwards,
 };
 
@@ -95,6 +100,7 @@ check! { of Params:
         (vertices: &[[i32; 3]], triangles: &[[u32; 3]], keys: &[Keys], order: &[Entry], occluders: &mut [Occluder],
         nodes: &mut [KeyTile]);
     check_kernel_build_level = build_level, (nodes: &mut [KeyTile]);
+    check_kernel_build_box_level = build_box_level, (nodes: &mut [BoxTile]);
     check_kernel_resolve_32 = resolve_regular::<u32, Exact>,
         (receivers: &[[i32; 3]], keys: &[Keys], order: &[Entry], occluders: &[Occluder], nodes: &[KeyTile],
         masks: &mut [u32], counts: &mut [ReceiverCounts]);
@@ -135,6 +141,23 @@ check! { of PunctualParams:
         masks: &mut [u32], counts: &mut [ReceiverCounts]);
     check_kernel_resolve_punctual_fast = resolve_punctual_counted::<Fast>,
         (receivers: &[[i32; 3]], keys: &[Keys], order: &[Entry], occluders: &[Occluder], nodes: &[KeyTile],
+        masks: &mut [u32], counts: &mut [ReceiverCounts]);
+}
+
+check! { of CloudParams:
+    check_kernel_key_cloud_triangles = key_cloud_triangles,
+        (vertices: &[[i32; 3]], triangles: &[[u32; 3]], order: &mut [Entry]);
+    check_kernel_key_cloud_receivers = key_cloud_receivers, (receivers: &[[i32; 3]], order: &mut [Entry]);
+    check_kernel_settle_cloud_receivers = settle_cloud_receivers,
+        (receivers: &[[i32; 3]], facings: &[u32], order: &mut [Entry]);
+    check_kernel_order_cloud_triangles = order_cloud_triangles,
+        (vertices: &[[i32; 3]], triangles: &[[u32; 3]], order: &[Entry], occluders: &mut [Occluder],
+        nodes: &mut [BoxTile]);
+    check_kernel_resolve_cloud_exact = resolve_cloud_counted::<Exact>,
+        (receivers: &[[i32; 3]], order: &[Entry], occluders: &[Occluder], nodes: &[BoxTile], samples: &[SampleTile],
+        masks: &mut [u32], counts: &mut [ReceiverCounts]);
+    check_kernel_resolve_cloud_fast = resolve_cloud_counted::<Fast>,
+        (receivers: &[[i32; 3]], order: &[Entry], occluders: &[Occluder], nodes: &[BoxTile], samples: &[SampleTile],
         masks: &mut [u32], counts: &mut [ReceiverCounts]);
 }
 

@@ -4,13 +4,20 @@ use umbra4_core::{
     AnyLight, DirectionalLight, EllipsoidLight, Exact, Facing, Fast, Lattice, LatticeLight, PointLight, Punctual,
     PunctualLightError, TubeLight, VolumeLightError,
     cloud::{Cloud, CloudError, CloudMask},
+    cloud_extent::CloudExtent,
+    cloud_order::OrderedCloud,
     cloud_table::{CloudTable, PlaneTable, TableError, TableSize},
     cloud_tiles::CloudTiles,
     emission::{Emission, EmissionError, Shape, Weight},
     glam::{DVec3, IVec3, Vec3},
+    hierarchy::Levels,
+    kernel::resolve_cloud::SampleTile,
     lanes::{Four, Sixteen},
+    occluder::Occluder,
+    order::BoxCurve,
+    params::CloudParams,
     punctual_frame::PunctualFrame,
-    shaft::{BoxTile, build_box_level},
+    shaft::{BoxTile, around, box_of, build_box_level, meet},
     stage::{
         resolve_cloud::{CloudGroup, CloudScene, resolve_cloud},
         resolve_punctual::{PunctualGroup, PunctualScene, resolve_punctual},
@@ -61,7 +68,35 @@ pub extern "C" fn check_emission(
 #[unsafe(no_mangle)]
 pub extern "C" fn check_cloud(samples: &[IVec3]) -> Result<(usize, [IVec3; 2]), CloudError> {
     let cloud = Cloud::new(samples)?;
-    Ok((cloud.words(), CloudTiles::new(cloud.samples()).bounds()))
+    Ok((cloud.words(), CloudTiles::new(cloud.samples()).extent().bounds()))
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_ordered_cloud(samples: &[IVec3], mask: &[u32], out: &mut [u32]) -> usize {
+    let ordered = OrderedCloud::new(samples);
+    ordered.write(mask, out);
+    ordered.samples().len()
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_told_cloud(
+    tiles: &CloudTiles<'_>,
+    levels: &Levels,
+    bounds: [IVec3; 2],
+    out: &mut [SampleTile],
+) -> CloudParams {
+    out.iter_mut().zip(tiles.sample_tiles()).for_each(|(out, tile)| *out = tile);
+    CloudParams::new(tiles.extent(), tiles.len() as u32, &BoxCurve::through(bounds), levels)
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_cloud_occluder(extent: &CloudExtent, corners: [IVec3; 3]) -> [Option<Occluder>; 2] {
+    [extent.occluder::<f32>(corners), extent.occluder::<f64>(corners)]
+}
+
+#[unsafe(no_mangle)]
+pub extern "C" fn check_meeting_boxes(points: &[IVec3], corners: [IVec3; 3]) -> bool {
+    meet(box_of(corners), around(points))
 }
 
 #[unsafe(no_mangle)]

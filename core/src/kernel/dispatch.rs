@@ -7,7 +7,7 @@ use crate::{
         sort::{BLOCK, CODE_BITS, DIGIT_BITS, DIGITS, level_above, runs},
     },
     params::PassParams,
-    plan::{Pass, Plan},
+    plan::{IndexKind, Pass, Plan},
     proj4::NODE,
     stage::Stage,
 };
@@ -32,6 +32,8 @@ pub enum Role {
     Occluders,
     /// Nodes of all levels.
     Nodes,
+    /// Samples of a cloud.
+    Samples,
     /// Lattice positions of receivers.
     Receivers,
     /// Which way all receivers face: words of [`crate::facing::Facing`].
@@ -119,6 +121,17 @@ const SUM_LEVELS: usize = 6;
 const RESOLVE: [Role; 7] =
     [Role::Receivers, Role::ReceiverKeys, Role::ReceiverOrder, Role::Occluders, Role::Nodes, Role::Masks, Role::Counts];
 
+const RESOLVE_CLOUD: [Role; 7] =
+    [Role::Receivers, Role::ReceiverOrder, Role::Occluders, Role::Nodes, Role::Samples, Role::Masks, Role::Counts];
+
+/// What a light is, as kernels tell lights apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Area,
+    Punctual,
+    Cloud,
+}
+
 /// Hands the dispatches of a pass to `record`, in order.
 ///
 /// # Errors
@@ -131,46 +144,62 @@ pub fn dispatches<E>(
 ) -> Result<(), E> {
     let facts = plan.facts();
     let mut one = |kernel, pass, roles: &[Role]| record(&Dispatch { kernel, pass, roles });
-    let punctual = facts.punctual;
+    let kind = match facts.index {
+        _ if facts.punctual => Kind::Punctual,
+        IndexKind::Shafts => Kind::Cloud,
+        _ => Kind::Area,
+    };
     let by_id = PassParams { count: pass.count, first: pass.first, ..PassParams::default() };
     // Passes of stages whose ids are groups name their first receiver.
     let block = facts.block.min(facts.receivers.saturating_sub(pass.first));
     match pass.stage {
-        Stage::KeyTriangles => one(
-            if punctual { Kernel::KeyPunctualTriangles } else { Kernel::KeyTriangles },
-            by_id,
-            &[Role::Vertices, Role::Triangles, Role::TriangleKeys, Role::TriangleOrder],
-        ),
+        Stage::KeyTriangles => {
+            let keyed = [Role::Vertices, Role::Triangles, Role::TriangleKeys, Role::TriangleOrder];
+            match kind {
+                Kind::Area => one(Kernel::KeyTriangles, by_id, &keyed),
+                Kind::Punctual => one(Kernel::KeyPunctualTriangles, by_id, &keyed),
+                Kind::Cloud => {
+                    one(Kernel::KeyCloudTriangles, by_id, &[Role::Vertices, Role::Triangles, Role::TriangleOrder])
+                }
+            }
+        }
         Stage::OrderTriangles => {
             sort(pass.count, Role::TriangleOrder, &mut one)?;
             // Places beyond the last triangle are written too, up to the end of its node.
             let places = pass.count.div_ceil(NODE as u32).saturating_mul(NODE as u32);
             let pass = PassParams { count: places, elements: pass.count, ..PassParams::default() };
-            let roles = [
-                Role::Vertices,
-                Role::Triangles,
-                Role::TriangleKeys,
-                Role::TriangleOrder,
-                Role::Occluders,
-                Role::Nodes,
-            ];
-            one(if punctual { Kernel::OrderPunctualTriangles } else { Kernel::OrderTriangles }, pass, &roles)
+            let [vertices, triangles, order] = [Role::Vertices, Role::Triangles, Role::TriangleOrder];
+            let [occluders, nodes] = [Role::Occluders, Role::Nodes];
+            let keyed = [vertices, triangles, Role::TriangleKeys, order, occluders, nodes];
+            match kind {
+                Kind::Area => one(Kernel::OrderTriangles, pass, &keyed),
+                Kind::Punctual => one(Kernel::OrderPunctualTriangles, pass, &keyed),
+                Kind::Cloud => one(Kernel::OrderCloudTriangles, pass, &[vertices, triangles, order, occluders, nodes]),
+            }
         }
-        Stage::BuildLevel => one(Kernel::BuildLevel, level(plan.levels(), pass.first as usize), &[Role::Nodes]),
+        Stage::BuildLevel => {
+            let kernel = if kind == Kind::Cloud { Kernel::BuildBoxLevel } else { Kernel::BuildLevel };
+            one(kernel, level(plan.levels(), pass.first as usize), &[Role::Nodes])
+        }
         Stage::KeyReceivers => {
-            let kernel = if punctual { Kernel::KeyPunctualReceivers } else { Kernel::KeyReceivers };
-            one(kernel, by_id, &[Role::Receivers, Role::ReceiverKeys, Role::ReceiverOrder])
-        }
-        Stage::SettleReceivers if punctual => {
-            let roles = [Role::Receivers, Role::Facings, Role::ReceiverOrder, Role::Masks];
-            one(Kernel::SettlePunctualReceivers, by_id, &roles)
+            let keyed = [Role::Receivers, Role::ReceiverKeys, Role::ReceiverOrder];
+            match kind {
+                Kind::Area => one(Kernel::KeyReceivers, by_id, &keyed),
+                Kind::Punctual => one(Kernel::KeyPunctualReceivers, by_id, &keyed),
+                Kind::Cloud => one(Kernel::KeyCloudReceivers, by_id, &[Role::Receivers, Role::ReceiverOrder]),
+            }
         }
         Stage::SettleReceivers => {
-            one(Kernel::SettleReceivers, by_id, &[Role::Receivers, Role::Facings, Role::ReceiverOrder])
+            let roles = [Role::Receivers, Role::Facings, Role::ReceiverOrder, Role::Masks];
+            match kind {
+                Kind::Area => one(Kernel::SettleReceivers, by_id, &roles[..3]),
+                Kind::Punctual => one(Kernel::SettlePunctualReceivers, by_id, &roles),
+                Kind::Cloud => one(Kernel::SettleCloudReceivers, by_id, &roles[..3]),
+            }
         }
         Stage::OrderReceivers => sort(pass.count, Role::ReceiverOrder, &mut one),
-        Stage::Resolve | Stage::ResolvePunctual => {
-            let roles = match &RESOLVE {
+        Stage::Resolve | Stage::ResolvePunctual | Stage::ResolveCloud => {
+            let roles = match if kind == Kind::Cloud { &RESOLVE_CLOUD } else { &RESOLVE } {
                 all if layout.counted => &all[..],
                 [but_counts @ .., _] => but_counts,
             };
@@ -202,7 +231,6 @@ pub fn dispatches<E>(
         Stage::SnapVertices
         | Stage::SnapReceivers
         | Stage::FindSilhouette
-        | Stage::ResolveCloud
         | Stage::DefineFrame
         | Stage::BinReceivers
         | Stage::BinTriangles

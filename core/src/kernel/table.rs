@@ -73,6 +73,24 @@ pub enum Kernel {
     ResolvePunctualExactCounted,
     /// [`Kernel::ResolvePunctualFast`], counted.
     ResolvePunctualFastCounted,
+    /// [`super::order_cloud::key_cloud_triangles`].
+    KeyCloudTriangles,
+    /// [`super::order_cloud::key_cloud_receivers`].
+    KeyCloudReceivers,
+    /// [`super::order_cloud::settle_cloud_receivers`].
+    SettleCloudReceivers,
+    /// [`super::order_cloud::order_cloud_triangles`].
+    OrderCloudTriangles,
+    /// [`super::order_cloud::build_box_level`].
+    BuildBoxLevel,
+    /// [`super::resolve_cloud`], certified.
+    ResolveCloudExact,
+    /// The same, plain f32.
+    ResolveCloudFast,
+    /// [`Kernel::ResolveCloudExact`], counted.
+    ResolveCloudExactCounted,
+    /// [`Kernel::ResolveCloudFast`], counted.
+    ResolveCloudFastCounted,
     /// [`super::reduce`].
     Reduce,
     /// [`super::weigh`].
@@ -133,6 +151,8 @@ pub enum ParamsKind {
     JitteredLight,
     /// [`crate::params::PunctualParams`]
     PunctualLight,
+    /// [`crate::params::CloudParams`]
+    Cloud,
     /// [`crate::mesh::MeshParams`]
     Mesh,
     /// [`crate::gbuffer::ViewParams`]
@@ -146,6 +166,7 @@ impl ParamsKind {
             Self::Light => size_of::<crate::params::Params>(),
             Self::JitteredLight => size_of::<crate::params::JitteredParams>(),
             Self::PunctualLight => size_of::<crate::params::PunctualParams>(),
+            Self::Cloud => size_of::<crate::params::CloudParams>(),
             Self::Mesh => size_of::<crate::mesh::MeshParams>(),
             Self::View => size_of::<crate::gbuffer::ViewParams>(),
         }
@@ -176,6 +197,10 @@ pub enum Slot {
     Occluders,
     /// [`crate::proj4::KeyTile`]s of all levels.
     Nodes,
+    /// [`crate::shaft::BoxTile`]s of all levels.
+    Boxes,
+    /// The samples of a cloud: [`super::resolve_cloud::SampleTile`]s.
+    Samples,
     /// Words of 32 bits, receiver-major.
     Masks,
     /// [`super::resolve::ReceiverCounts`].
@@ -297,6 +322,22 @@ const ORDER_TRIANGLES: &[Bound] = &[
     write(Slot::Nodes),
 ];
 
+const RESOLVE_CLOUD_COUNTED: &[Bound] = &[
+    read(Slot::Receivers),
+    read(Slot::Order),
+    read(Slot::Occluders),
+    read(Slot::Boxes),
+    read(Slot::Samples),
+    write(Slot::Masks),
+    write(Slot::Counts),
+];
+
+/// The same but the counts, which come last.
+const RESOLVE_CLOUD: &[Bound] = match RESOLVE_CLOUD_COUNTED {
+    [but_counts @ .., _] => but_counts,
+    [] => &[],
+};
+
 const fn line(kernel: Kernel, name: &'static str, stage: Stage, bound: &'static [Bound]) -> KernelInfo {
     KernelInfo { kernel, name, stage, params: ParamsKind::Light, bound }
 }
@@ -307,6 +348,10 @@ const fn jittered(kernel: Kernel, name: &'static str, bound: &'static [Bound]) -
 
 const fn punctual(kernel: Kernel, name: &'static str, stage: Stage, bound: &'static [Bound]) -> KernelInfo {
     KernelInfo { kernel, name, stage, params: ParamsKind::PunctualLight, bound }
+}
+
+const fn cloud(kernel: Kernel, name: &'static str, stage: Stage, bound: &'static [Bound]) -> KernelInfo {
+    KernelInfo { kernel, name, stage, params: ParamsKind::Cloud, bound }
 }
 
 const fn mesh(kernel: Kernel, name: &'static str, bound: &'static [Bound]) -> KernelInfo {
@@ -343,7 +388,7 @@ const OWNED_DEPTHS: &[Bound] = &owned(texture(Slot::Depths), texture(Slot::Norma
 const OWNED_DEPTH_SAMPLES: &[Bound] = &owned(samples(Slot::Depths), samples(Slot::Normals), Access::IdSamples);
 
 /// All kernels.
-pub const TABLE: [KernelInfo; 57] = [
+pub const TABLE: [KernelInfo; 66] = [
     line(Kernel::KeyTriangles, "key_triangles", Stage::KeyTriangles, KEY_TRIANGLES),
     line(Kernel::KeyReceivers, "key_receivers", Stage::KeyReceivers, KEY_RECEIVERS),
     line(
@@ -402,6 +447,35 @@ pub const TABLE: [KernelInfo; 57] = [
         Stage::ResolvePunctual,
         RESOLVE_COUNTED,
     ),
+    cloud(
+        Kernel::KeyCloudTriangles,
+        "key_cloud_triangles",
+        Stage::KeyTriangles,
+        &[read(Slot::Vertices), read(Slot::Triangles), write(Slot::Order)],
+    ),
+    cloud(
+        Kernel::KeyCloudReceivers,
+        "key_cloud_receivers",
+        Stage::KeyReceivers,
+        &[read(Slot::Receivers), write(Slot::Order)],
+    ),
+    cloud(
+        Kernel::SettleCloudReceivers,
+        "settle_cloud_receivers",
+        Stage::SettleReceivers,
+        &[read(Slot::Receivers), read(Slot::Facings), write(Slot::Order)],
+    ),
+    cloud(
+        Kernel::OrderCloudTriangles,
+        "order_cloud_triangles",
+        Stage::OrderTriangles,
+        &[read(Slot::Vertices), read(Slot::Triangles), read(Slot::Order), write(Slot::Occluders), write(Slot::Boxes)],
+    ),
+    line(Kernel::BuildBoxLevel, "build_box_level", Stage::BuildLevel, &[write(Slot::Boxes)]),
+    cloud(Kernel::ResolveCloudExact, "resolve_cloud_exact", Stage::ResolveCloud, RESOLVE_CLOUD),
+    cloud(Kernel::ResolveCloudFast, "resolve_cloud_fast", Stage::ResolveCloud, RESOLVE_CLOUD),
+    cloud(Kernel::ResolveCloudExactCounted, "resolve_cloud_exact_counted", Stage::ResolveCloud, RESOLVE_CLOUD_COUNTED),
+    cloud(Kernel::ResolveCloudFastCounted, "resolve_cloud_fast_counted", Stage::ResolveCloud, RESOLVE_CLOUD_COUNTED),
     line(Kernel::Reduce, "reduce", Stage::Reduce, &[read(Slot::Masks), write(Slot::LitCounts)]),
     line(Kernel::Weigh, "weigh", Stage::Reduce, &[read(Slot::Masks), read(Slot::Weights), write(Slot::WeighedLight)]),
     line(

@@ -110,7 +110,7 @@ pub fn resolve_cloud<L: Lanes, P: PrecisionMode, T: SampleTest>(scene: &CloudSce
     if group.active == 0 {
         return;
     }
-    let shaft = Shaft::between([group.low, group.high], scene.cloud.bounds());
+    let shaft = Shaft::between([group.low, group.high], scene.cloud.extent().bounds());
     let mut walk = Walk::new::<L>(scene.levels, Root::top(scene.levels), scene.nodes, &shaft);
     let offsets = Offsets::new(&group.receivers, group.active);
     while let Some((tile, mut bits)) = walk.next::<L>(scene.nodes, &shaft) {
@@ -121,7 +121,7 @@ pub fn resolve_cloud<L: Lanes, P: PrecisionMode, T: SampleTest>(scene: &CloudSce
             group.counts.pairs_tested += group.active.count_ones() as Tally;
             let (receivers, fallbacks) = (&group.receivers, &mut group.counts.fallbacks);
             let sides = Sides::seen_from::<L, P>(&offsets, receivers, occluder, group.active, fallbacks);
-            let reach = Reach::of::<L, P>(scene.cloud, receivers, occluder, sides);
+            let reach = Reach::of::<L, P>(scene.cloud.extent(), receivers, occluder, sides);
             if occluder.is_mixed() {
                 group.mark::<L, P, T, 4>(scene, occluder, &reach, sides.negative);
             } else {

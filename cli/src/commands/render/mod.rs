@@ -7,7 +7,7 @@ mod summary;
 use crate::{
     args::{RenderArgs, View},
     error::ProgramError,
-    executor::Report,
+    executor::{AnyExecutor, Report},
     fractions::mean,
     on_lattice::OnLattice,
     picture::PictureFormat,
@@ -32,7 +32,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     let scene = stages.run("load", || Scene::load(&args.scene, args.light_option()))?;
     let lights = lights_of(args, &scene)?;
     let asked = Asked::of(args, &lights)?;
-    let executor = lights::executor_for(&args.work, &lights)?;
+    let executor = AnyExecutor::new(&args.work)?;
     let seen =
         stages.run("primary", || primary::visible_surfaces(&scene.model, &scene.camera, fine(width), fine(height)));
     let on_lattice = stages.run("snap", || OnLattice::new(&scene.model, &seen, &lights))?;
