@@ -3,7 +3,7 @@
 //! Homogeneous rasterisation (Olano and Greer 1997): a ray from the light's centre meets the triangle where three determinants
 //! have the sign of the triangle's own, so that nothing needs to be clipped, triangles that reach behind the light neither. All is relative
 //! to the first corner's place on the map, so that small triangles do not cancel out. Edges are moved outwards
-//! by [`SLACK`] texels: where two triangles meet no centre is lost to rounding.
+//! by `SLACK` texels: where two triangles meet no centre is lost to rounding.
 
 use glam::IVec3;
 
