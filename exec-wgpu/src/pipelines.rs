@@ -23,7 +23,7 @@ pub enum Loading {
     /// Through naga, which checks them and adds bounds checks: every backend.
     #[default]
     Checked,
-    /// As they are: Vulkan only, on a device with [`wgpu::Features::PASSTHROUGH_SHADERS`]. Those of jittered samples are checked all the
+    /// As they are: Vulkan only, on a device with [`wgpu::Features::PASSTHROUGH_SHADERS`]. Those of jittered samples and of clouds are checked all the
     /// same: one software driver computes wrong masks without.
     Passthrough,
 }
@@ -107,8 +107,11 @@ fn binding_type(access: Access) -> BindingType {
 }
 
 fn load(device: &Device, loading: Loading, kernel: Kernel) -> ShaderModule {
-    // Raw, lavapipe gives some receivers of jittered samples wrong masks; why is not known yet.
-    let loading = if kernel.info().params == ParamsKind::JitteredLight { Loading::Checked } else { loading };
+    // Raw, lavapipe gives some receivers of jittered samples, or before a cloud, wrong masks; why is not known yet.
+    let loading = match kernel.info().params {
+        ParamsKind::JitteredLight | ParamsKind::Cloud => Loading::Checked,
+        _ => loading,
+    };
     let name = kernel.info().name;
     let words: Vec<u32> =
         modules::code(kernel).chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
