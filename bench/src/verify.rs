@@ -261,9 +261,9 @@ impl Report {
             penumbra,
             bits: expected.len() as u64 * u64::from(light.columns),
             blocked: expected.iter().map(|word| u64::from(word.count_ones())).sum(),
-            exact: differing(name, &expected, &exact, light)?,
-            fast: differing(name, &expected, &fast, light)?,
-            gpu: self.gpu.as_ref().map(|_| differing(name, &expected, &on_gpu, light)).transpose()?,
+            exact: differing(name, "exact", &expected, &exact, light)?,
+            fast: differing(name, "fast", &expected, &fast, light)?,
+            gpu: self.gpu.as_ref().map(|_| differing(name, "on the GPU", &expected, &on_gpu, light)).transpose()?,
         });
 
         if unsnapped {
@@ -299,7 +299,7 @@ impl Report {
             samples: light.rows,
             receivers: hits.len(),
             bits: expected.len() as u64 * u64::from(light.columns),
-            differing: differing(name, &expected, &masks(Index::default())?, light)?,
+            differing: differing(name, "rows at once", &expected, &masks(Index::default())?, light)?,
         });
         Ok(())
     }
@@ -407,11 +407,17 @@ fn penumbra_first(masks: &[u64], light: &LatticeLight, wanted: usize) -> Vec<usi
 }
 
 /// How many bits differ from the oracle's; the first is named on stderr.
-fn differing<W: RowWord>(scene: &str, expected: &[u64], got: &[W], light: &LatticeLight) -> Result<u64, VerifyError> {
+fn differing<W: RowWord>(
+    scene: &str,
+    how: &str,
+    expected: &[u64],
+    got: &[W],
+    light: &LatticeLight,
+) -> Result<u64, VerifyError> {
     match compare_masks(expected, got, light.rows, light.columns, Amount::Some) {
         Ok(_) => Ok(0),
         Err(mismatch @ Mismatch::Bit { differing, .. }) => {
-            eprintln!("{scene}: {mismatch}");
+            eprintln!("{scene}, {how}: {mismatch}");
             Ok(differing)
         }
         Err(source) => Err(VerifyError::Masks { scene: scene.to_owned(), source }),
@@ -467,7 +473,7 @@ mod tests {
         let light = tiny(2).light;
         let lattice = umbra4_core::Lattice::covering(Bounds::of(light.corners())).unwrap();
         let light = light.snap(&lattice, umbra4_core::Lift::NONE).unwrap();
-        assert_eq!(differing("", &[3, 0], &[1_u32, 2], &light).unwrap(), 2);
+        assert_eq!(differing("", "", &[3, 0], &[1_u32, 2], &light).unwrap(), 2);
     }
 
     #[test]
