@@ -1,6 +1,6 @@
 //! The resolve stages of `umbra4-core`, compiled for each instruction set, mask word and precision: here and once. They take
 //! minutes to compile, and change only when core does; `umbra4-cpu`, which brings memory and threads, is another crate so that
-//! it compiles in seconds.
+//! changing it does not compile them again.
 //!
 //! A part of `umbra4-cpu`: what of this is for users, it exports.
 
