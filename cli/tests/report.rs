@@ -7,9 +7,9 @@ use std::fs;
 
 use common::Folder;
 
-/// Methods on a machine without a GPU: two precisions, and jittered samples, at four resolutions; six numbers of frames; and
-/// eight of rays.
-const METHODS: usize = 26;
+/// Methods on a machine without a GPU: two precisions, and jittered samples, at four resolutions; six numbers of frames; two
+/// kinds of shadow maps of four sizes; and eight of rays.
+const METHODS: usize = 34;
 
 #[test]
 fn the_built_in_scene() {
@@ -69,6 +69,19 @@ fn the_built_in_scene() {
     }
     assert!(names.windows(2).all(|pair| of(&pair[1].1, "seconds") > of(&pair[0].1, "seconds")), "{csv}");
     assert!(error(&names[5].1) < 0.2 * once[0], "{csv}");
+    // Maps have texels, and no samples; and what they save is not accuracy.
+    for name in ["microquads", "stochastic maps"] {
+        let maps = [128, 256, 512, 1024].map(|n| format!("{name}, map of {n}×{n}"));
+        for (name, texels) in maps.iter().zip([16_384.0, 65_536.0, 262_144.0, 1_048_576.0]) {
+            let row = methods.iter().find(|row| row[0] == name).unwrap();
+            assert!(row[column("samples")].is_empty() && value(row, "map_texels") == texels, "{row:?}");
+        }
+        assert!(error(&maps[3]) < error(&maps[0]) && error(&maps[3]) > exact[0], "{csv}");
+    }
+    assert!(
+        methods.iter().all(|row| row[column("samples")].is_empty() != row[column("map_texels")].is_empty()),
+        "{csv}"
+    );
     let of_many = methods.iter().filter(|row| value(row, "frames") != 1.0).count();
     assert_eq!((of_many, value(reference, "frames")), (names.len(), 1.0));
     // The same samples: all but a few bits.

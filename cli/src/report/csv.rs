@@ -8,7 +8,7 @@ use crate::report::{
     results::{Entry, Results},
 };
 
-const COLUMNS: &str = "method,samples,frames,receivers,one_tile_in,seconds,relative_time,mean_error,max_error,flip,pareto_front,\
+const COLUMNS: &str = "method,samples,map_texels,frames,receivers,one_tile_in,seconds,relative_time,mean_error,max_error,flip,pareto_front,\
     pairs_tested_per_receiver,pairs_kept_per_receiver,pairs_relevant_per_receiver,fallbacks,stage_seconds";
 
 /// A row a method; the reference's is the last.
@@ -25,13 +25,14 @@ fn row(out: &mut String, entry: &Entry, unit: f64) {
     let flip = entry.flip.map(|flip| flip.to_string()).unwrap_or_default();
     let stages: Vec<String> = entry.run.seconds_by_stage.iter().map(|(name, s)| format!("{name}={s:.6}")).collect();
     let pairs = entry.pairs().map_or(",,".to_owned(), |pairs| pairs.map(|n| format!("{n:.3}")).join(","));
+    let samples = entry.samples().map(|samples| samples.to_string()).unwrap_or_default();
+    let texels = if samples.is_empty() { (entry.side * entry.side).to_string() } else { String::new() };
     let fallbacks = entry.run.counts.map(|counts| counts.fallbacks.to_string()).unwrap_or_default();
     // Writing to a string does not fail.
     let _ = writeln!(
         out,
-        "{},{},{},{},{},{seconds:.6},{:.4},{},{},{flip},{},{pairs},{fallbacks},{}",
+        "{},{samples},{texels},{},{},{},{seconds:.6},{:.4},{},{},{flip},{},{pairs},{fallbacks},{}",
         quoted(&entry.name),
-        entry.samples(),
         entry.run.frames,
         entry.receivers,
         entry.one_in,

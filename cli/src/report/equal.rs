@@ -22,7 +22,7 @@ pub struct Equal<'a> {
 pub fn equal(results: &Results) -> Vec<Equal<'_>> {
     let curves: Vec<(Family, Curve)> =
         results.families().filter(|f| f.is_rays()).map(|family| (family, curve(results, family))).collect();
-    let ours = results.methods.iter().filter(|m| m.family.is_some_and(Family::is_umbra));
+    let ours = results.methods.iter().filter(|m| m.family.is_some_and(Family::is_exact));
     ours.flat_map(|ours| {
         curves.iter().map(move |(rays, curve)| Equal {
             ours,

@@ -25,7 +25,7 @@ pub struct Entrant {
     pub name: String,
     /// Its curve.
     pub family: Option<Family>,
-    /// Light samples each way.
+    /// Light samples each way, or texels.
     pub side: u32,
 }
 

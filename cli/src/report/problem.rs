@@ -98,6 +98,14 @@ impl Problem {
     pub fn on_lattice(&self) -> Result<Receivers, ProgramError> {
         Ok(Receivers::on_surfaces(&self.lattice, &self.positions, &self.normals, Lift::F32_POSITIONS)?)
     }
+
+    /// The same receivers, which face where their surfaces do.
+    ///
+    /// # Errors
+    /// A normal that points nowhere.
+    pub fn facing(&self, receivers: Receivers) -> Result<Receivers, ProgramError> {
+        Ok(receivers.facing(&self.normals)?)
+    }
 }
 
 /// The four quarters of a light. With `n` × `n` samples each, they have the samples of the whole with `2n` × `2n`.

@@ -14,7 +14,7 @@ pub struct Entry {
     pub name: String,
     /// Its curve; the reference is on none.
     pub family: Option<Family>,
-    /// Light samples a receiver, each way.
+    /// Light samples a receiver, each way; of shadow maps, their texels.
     pub side: u32,
     /// Receivers that it ran on.
     pub receivers: usize,
@@ -48,9 +48,10 @@ impl Entry {
         Some([counts.pairs_tested, counts.pairs_kept, counts.pairs_relevant].map(|n| n as f64 / self.receivers as f64))
     }
 
-    /// Rays or samples a receiver.
-    pub fn samples(&self) -> u32 {
-        self.side * self.side
+    /// Rays or light samples a receiver; maps have texels.
+    pub fn samples(&self) -> Option<u32> {
+        let is_map = self.family.is_some_and(Family::is_map);
+        (!is_map).then_some(self.side * self.side)
     }
 }
 

@@ -3,6 +3,7 @@
 mod bvh;
 mod over_frames;
 mod rays;
+mod shadow_maps;
 mod umbra;
 
 use umbra4_core::Counts;
@@ -17,10 +18,11 @@ use crate::{
 use bvh::Bvh;
 use over_frames::OverFrames;
 use rays::{Pattern, Rays};
+use shadow_maps::ShadowMaps;
 use umbra::Umbra;
 pub use umbra::{REFERENCE_SIDE, reference};
 
-/// Methods that differ in nothing but the number of samples: one curve of the plot.
+/// Methods that differ in nothing but the number of samples, or of a map's texels: one curve of the plot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Family {
     /// umbra4 on the processor, certified.
@@ -37,6 +39,10 @@ pub enum Family {
     GpuFast,
     /// umbra4 on a GPU, certified, with jittered samples.
     GpuJittered,
+    /// Microquads and microtris from a shadow map, on the processor.
+    Microquads,
+    /// Stochastic soft shadow maps, on the processor.
+    StochasticMaps,
     /// Rays to the samples that umbra4 has too.
     RegularRays,
     /// Rays to stratified, jittered samples, other ones for every receiver.
@@ -45,7 +51,7 @@ pub enum Family {
 
 impl Family {
     /// All of them, in the order of legends and tables.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::CpuExact,
         Self::CpuFast,
         Self::CpuJittered,
@@ -53,6 +59,8 @@ impl Family {
         Self::GpuExact,
         Self::GpuFast,
         Self::GpuJittered,
+        Self::Microquads,
+        Self::StochasticMaps,
         Self::RegularRays,
         Self::JitteredRays,
     ];
@@ -67,6 +75,8 @@ impl Family {
             Self::GpuExact => "umbra4 exact, GPU",
             Self::GpuFast => "umbra4 fast, GPU",
             Self::GpuJittered => "umbra4 exact, jittered, GPU",
+            Self::Microquads => "microquads",
+            Self::StochasticMaps => "stochastic maps",
             Self::RegularRays => "BVH rays, regular samples",
             Self::JitteredRays => "BVH rays, jittered samples",
         }
@@ -82,14 +92,21 @@ impl Family {
             Self::GpuExact => "#007a5a",
             Self::GpuFast => "#3fbf9b",
             Self::GpuJittered => "#7a7a00",
+            Self::Microquads => "#5b3fa8",
+            Self::StochasticMaps => "#8a8a8a",
             Self::RegularRays => "#d55e00",
             Self::JitteredRays => "#b5527f",
         }
     }
 
-    /// Whether umbra4's masks are what it measures.
-    pub fn is_umbra(self) -> bool {
-        !self.is_rays()
+    /// Whether exact masks are what it measures.
+    pub fn is_exact(self) -> bool {
+        !self.is_rays() && !self.is_map()
+    }
+
+    /// Whether it draws a shadow map: its methods differ in the map's texels.
+    pub fn is_map(self) -> bool {
+        matches!(self, Self::Microquads | Self::StochasticMaps)
     }
 
     /// Whether it is one frame of umbra4 with jittered samples.
@@ -107,6 +124,7 @@ impl Family {
         match self {
             Self::CpuFrames => format!("umbra4 exact, {side}×{side} jittered, {frames} frames"),
             Self::JitteredRays => format!("{}, {}", self.name(), side * side),
+            _ if self.is_map() => format!("{}, map of {side}×{side}", self.name()),
             _ => format!("{}, {side}×{side}", self.name()),
         }
     }
@@ -145,7 +163,7 @@ pub trait Method {
     /// The curve that it is on.
     fn family(&self) -> Family;
 
-    /// Light samples a receiver, each way.
+    /// Light samples a receiver, each way; of shadow maps, their texels.
     fn side(&self) -> u32;
 
     /// The receivers that it runs on.
@@ -213,6 +231,12 @@ pub fn all(problem: &Problem, device: &Device) -> Result<Vec<Box<dyn Method>>, P
                 methods.push(Box::new(Umbra::new(problem, family, side, AnyExecutor::gpu(gpu.clone(), precision))));
             }
         }
+    }
+    for size in shadow_maps::SIZES {
+        methods.push(Box::new(ShadowMaps::microquads(problem, size)));
+    }
+    for size in shadow_maps::SIZES {
+        methods.push(Box::new(ShadowMaps::stochastic(problem, size)));
     }
     let bvh = Bvh::new(problem)?;
     for (pattern, sides) in [(Pattern::Regular, &REGULAR[..]), (Pattern::Jittered, &JITTERED)] {

@@ -64,8 +64,8 @@ fn head(facts: &Facts) -> String {
 fn plot_note(results: &Results) -> String {
     format!(
         "<p class=\"note\">Lower and farther left is better; both axes are logarithmic. A step to the right along the \
-         yellow line is the cheapest way to a smaller error. Numbers beside points are light samples a receiver; over \
-         frames, frames. Errors of 0 have no place on a logarithmic axis: they are drawn as triangles on the lower edge. \
+         yellow line is the cheapest way to a smaller error. Numbers beside points are light samples a receiver; of shadow \
+         maps, texels; over frames, frames. Errors of 0 have no place on a logarithmic axis: they are drawn as triangles on the lower edge. \
          The reference is one of them by definition; it took {} s.</p>\n",
         three_digits(results.reference.run.seconds())
     )
@@ -90,7 +90,8 @@ fn methods_note(results: &Results) -> String {
     };
     format!(
         "<p class=\"note\">Time is all there is between the world’s coordinates and the visibility of the receivers: for \
-         umbra4 the snap, the index and the masks; for rays the BVH (obvhs; of a fast and a slow build, the one with the \
+         umbra4 the snap, the index and the masks; for shadow maps the snap, the map, which is drawn anew, and 32×32 light samples (microquads and \
+         microtris by rows) or four filter planes (stochastic maps); for rays the BVH (obvhs; of a fast and a slow build, the one with the \
          smaller sum, built on one thread) and the rays, on all threads. Methods took turns {ROUNDS} times, those of more than \
          {QUICK} s twice, of more than {LONG} s once, and the least time counts. Camera rays and shading are not in it. \
          Errors are absolute differences of visibility, which is a share of the light in 0..1, from the reference’s. FLIP is \

@@ -18,6 +18,18 @@ pub fn family(family: Family, x: f64, y: f64) -> String {
         Family::GpuExact => square(x, y, HALF - 0.5, &filled),
         Family::GpuFast => square(x, y, HALF - 1.5, &hollow),
         Family::GpuJittered => stroke(&format!("M{0:.1} {1:.1}l9 9m-9 0l9 -9", x - 4.5, y - 4.5), color),
+        Family::Microquads => polygon(&[(x, y - 6.0), (x + 5.5, y + 4.0), (x - 5.5, y + 4.0)], &hollow),
+        Family::StochasticMaps => polygon(
+            &[
+                (x - 5.5, y),
+                (x - 2.8, y - 5.0),
+                (x + 2.8, y - 5.0),
+                (x + 5.5, y),
+                (x + 2.8, y + 5.0),
+                (x - 2.8, y + 5.0),
+            ],
+            &filled,
+        ),
         Family::RegularRays => polygon(&[(x, y - 6.5), (x + 6.0, y + 4.5), (x - 6.0, y + 4.5)], &filled),
         Family::JitteredRays => polygon(&[(x, y - 6.5), (x + 6.5, y), (x, y + 6.5), (x - 6.5, y)], &filled),
     }

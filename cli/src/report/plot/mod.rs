@@ -214,11 +214,11 @@ impl<'a> Plot<'a> {
     }
 }
 
-/// What is written beside a point: samples each way, or all of them where no grid is meant; or frames.
+/// What is written beside a point: samples, or texels, each way, or all of them where no grid is meant; or frames.
 fn told_apart_by(family: Family, entry: &Entry) -> String {
     match family {
         Family::CpuFrames => entry.run.frames.to_string(),
-        Family::JitteredRays => entry.samples().to_string(),
+        Family::JitteredRays => (entry.side * entry.side).to_string(),
         _ => format!("{}²", entry.side),
     }
 }
