@@ -13,6 +13,7 @@ mod gpu_rival;
 mod gpu_table;
 mod image_size;
 mod lookup;
+mod maps;
 mod memory;
 mod optimisations;
 mod picture;
@@ -41,6 +42,7 @@ use curves::CurvesArgs;
 use effects::EffectsArgs;
 use gpu_args::GpuArgs;
 use lookup::LookupArgs;
+use maps::MapsArgs;
 use memory::{ChildArgs, MemoryArgs};
 use scene::PAPER_LIGHT;
 use shared_args::{ImageArgs, RivalArgs, light_scale, seconds};
@@ -69,6 +71,8 @@ enum Command {
     Stages(StagesArgs),
     /// Measures what each effect costs beside a plain rectangle, and which stages it adds; prints a Markdown table.
     Effects(EffectsArgs),
+    /// Measures what shadow maps give and take beside exact masks; prints Markdown tables.
+    Maps(MapsArgs),
     /// Measures how umbra4's cost grows with triangles, receivers, the light's size and its samples; writes a .csv and an
     /// .svg a curve, and prints a Markdown table.
     Curves(CurvesArgs),
@@ -308,6 +312,7 @@ fn main() -> ExitCode {
         Command::Sweep(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::Effects(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::Stages(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
+        Command::Maps(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::Curves(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::Memory(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),
         Command::MemoryChild(args) => args.run().map_or_else(|e| fail(&e), |()| ExitCode::SUCCESS),

@@ -15,6 +15,7 @@
 //! The paper does not say how much ground its diagonal contains. The dragon's own box makes light and distance the
 //! smallest that can be meant; the light's size as seen from the dragon, 3/32 of a radian, is the same in any case.
 
+mod court;
 mod foliage;
 mod hairball;
 mod lattice;
@@ -35,6 +36,7 @@ use umbra4::{
 use umbra4_core::{AreaLight, Bounds, LightError, glam::DVec3};
 
 use crate::primary::Camera;
+pub use court::{COURT, court};
 use place::{DRAGON_VIEW, FOLIAGE_VIEW, HAIRBALL_VIEW, LATTICE_VIEW, View};
 #[cfg(test)]
 pub use tiny::tiny;

@@ -37,6 +37,10 @@ pub const FOV: f64 = 30.0;
 impl BuiltinScene {
     /// The middle of the court.
     pub const FOCUS: DVec3 = DVec3::new(0.35, 1.0, 0.0);
+    /// Where the camera that was fitted by hand stands.
+    pub const EYE: DVec3 = DVec3::new(2.2, 6.9, 17.8);
+    /// What it looks at.
+    pub const TARGET: DVec3 = DVec3::new(0.1, 1.55, 0.0);
     /// Distance from the middle at which the plain has faded into the backdrop.
     pub const FADE: f64 = 19.0;
 
@@ -58,8 +62,8 @@ impl BuiltinScene {
     /// # Errors
     /// As [`Camera::new`].
     pub fn camera(given: Viewpoint) -> Result<Camera, CameraError> {
-        let from = given.from.unwrap_or(DVec3::new(2.2, 6.9, 17.8));
-        Camera::new(from, given.to.unwrap_or(DVec3::new(0.1, 1.55, 0.0)), given.fov.unwrap_or(FOV))
+        let from = given.from.unwrap_or(Self::EYE);
+        Camera::new(from, given.to.unwrap_or(Self::TARGET), given.fov.unwrap_or(FOV))
     }
 }
 
