@@ -156,7 +156,7 @@ fn planes_lie_in_their_cells() {
     let (mut cut, mut all, mut none) = (0, 0, 0);
     for round in 0..40_000 {
         let reach = rng.pick(&[60, 1000, 1 << 20, LIMIT - 1]);
-        let spread = 1 + (reach >> rng.below(12));
+        let spread = 1 + (reach >> (1 + rng.below(11)));
         let center = rng.point(reach - spread);
         let samples: Vec<IVec3> = (0..1 + rng.below(3)).map(|_| center + rng.point(spread)).collect();
         let cells = TableSize { directions: 1 + rng.below(1024) as u32, distances: 1 + rng.below(4096) as u32 };
@@ -168,9 +168,9 @@ fn planes_lie_in_their_cells() {
             let what = format!("case {round}, plane {k} of {pair:?}, {samples:?}, {cells:?}");
             let side = if pair.flipped { -1.0 } else { 1.0 };
             let n = e.as_dvec3().cross(f.as_dvec3()) * side;
-            let away = n.dot((extent.middle() - a).as_dvec3());
-            let doubt =
-                1.0e-14 * e.as_dvec3().length() * f.as_dvec3().length() * (extent.middle() - a).as_dvec3().length();
+            let to_middle = (extent.middle() - if k < 3 { p } else { a }).as_dvec3();
+            let away = n.dot(to_middle);
+            let doubt = 1.0e-14 * e.as_dvec3().length() * f.as_dvec3().length() * to_middle.length();
             if k < 3 && n.length() * spread.max(1) as f64 * 1.0e-4 < doubt || n.length() == 0.0 {
                 continue;
             }
