@@ -9,6 +9,8 @@ use crate::{
     real::Real,
     view::Offsets,
 };
+#[cfg(not(target_arch = "spirv"))]
+use crate::{lanes::Lanes, shaft::around};
 
 /// The float in which triangles are oriented.
 #[cfg(not(target_arch = "spirv"))]
@@ -34,7 +36,16 @@ impl CloudExtent {
     #[inline(always)]
     pub fn new([low, high]: [IVec3; 2], radius: f32) -> Self {
         let middle = middle_of([low, high]);
-        Self { low, high, middle, half: float((high - middle).max(middle - low)), radius }
+        Self { low, high, middle, half: float(half_extents([low, high])), radius }
+    }
+
+    /// Of samples on the lattice.
+    #[cfg(not(target_arch = "spirv"))]
+    pub fn of(samples: &[IVec3]) -> Self {
+        let bounds = around(samples);
+        let middle = middle_of(bounds);
+        let away = |sample: &IVec3| ((sample - middle).as_dvec3().length() as f32).next_up();
+        Self::new(bounds, samples.iter().map(away).fold(0.0, Lanes::max))
     }
 
     /// Smallest and largest coordinates of the samples, lattice.
@@ -61,6 +72,12 @@ impl CloudExtent {
         self.half
     }
 
+    /// The same, as they are.
+    #[inline(always)]
+    pub(crate) fn half_extents(&self) -> IVec3 {
+        half_extents([self.low, self.high])
+    }
+
     /// What planes are placed by: the middle, and how far samples may lie from it.
     #[inline(always)]
     pub(crate) fn offsets(&self) -> Offsets {
@@ -76,7 +93,7 @@ impl CloudExtent {
     pub fn occluder<R: Real>(&self, corners: [IVec3; 3]) -> Option<Occluder> {
         let [a, b, c] = corners;
         let (e, f, d) = (b - a, c - a, self.middle - a);
-        let half = (self.high - self.middle).max(self.middle - self.low);
+        let half = self.half_extents();
         let normal = R::cross(e, f);
         let spread = IVec3::new(along(normal[0], half.x), along(normal[1], half.y), along(normal[2], half.z));
         let (lowest, highest) = (R::dot(&normal, d - spread).to_f32(), R::dot(&normal, d + spread).to_f32());
@@ -101,6 +118,13 @@ impl CloudExtent {
 pub fn middle_of([low, high]: [IVec3; 2]) -> IVec3 {
     let size = high - low;
     low + IVec3::new(size.x >> 1, size.y >> 1, size.z >> 1)
+}
+
+/// The half extents of a box around its middle.
+#[inline(always)]
+fn half_extents([low, high]: [IVec3; 2]) -> IVec3 {
+    let middle = middle_of([low, high]);
+    (high - middle).max(middle - low)
 }
 
 /// An extent in the direction of a component.

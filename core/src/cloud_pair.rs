@@ -67,20 +67,24 @@ pub trait SampleTest: Sync {
 }
 
 impl Pair {
+    /// Of all four planes, two vectors along each, of which the cross product points outwards, and a point of it.
+    #[inline(always)]
+    pub(crate) fn spans(&self) -> [[IVec3; 4]; 3] {
+        let [a, b, c] = self.corners;
+        let p = self.receiver;
+        let (along, across) = ([b - a, c - b, a - c, c - a], [a - p, b - p, c - p, b - a]);
+        let (first, second) = if self.flipped { (across, along) } else { (along, across) };
+        [first, second, [a, b, c, a]]
+    }
+
     /// The first `N` planes, placed from the base of `offsets`: positive where samples are blocked.
     #[inline(always)]
     pub(crate) fn planes<L: Lanes, P: PrecisionMode, const N: usize>(&self, offsets: &Offsets) -> Planes<N> {
-        let [a, b, c] = self.corners;
-        let p = self.receiver;
-        // `n·(a − x)` is positive on the side that n points away from, so that cross products are turned round.
-        let along = [b - a, c - b, a - c, c - a];
-        let across = [a - p, b - p, c - p, b - a];
-        let through = [a, b, c, a];
+        let [first, second, through] = self.spans();
         let (mut e, mut f, mut d) = ([[0; N]; 3], [[0; N]; 3], [[0; N]; 3]);
         let mut k = 0;
         while k < N {
-            let (first, second) = if self.flipped { (across[k], along[k]) } else { (along[k], across[k]) };
-            let from = through[k] - offsets.base;
+            let (first, second, from) = (first[k], second[k], through[k] - offsets.base);
             (e[0][k], e[1][k], e[2][k]) = (first.x, first.y, first.z);
             (f[0][k], f[1][k], f[2][k]) = (second.x, second.y, second.z);
             (d[0][k], d[1][k], d[2][k]) = (from.x, from.y, from.z);

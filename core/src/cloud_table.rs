@@ -5,18 +5,26 @@
 //! Departures: directions are cells of an octahedron unfolded onto a square, which takes no trigonometry, in the place of two
 //! angles; pairs are found as for exact masks, and a plane that surely cuts nothing is not looked up. So the only error is
 //! that of the table: planes are moved to the nearest ones that it has.
+//!
+//! **The rule** is one of integers, so that masks are the same bits on every executor, in whatever order and groups they come:
+//! a triangle counts for a receiver that does not lie in its plane if its box reaches into the shaft between receiver and
+//! cloud, as seen along each axis; then it blocks the samples that are in the entries of all four planes, as
+//! [`crate::plane_cell`] places them. Who finds out in floats that a pair, or a plane of it, changes nothing finds what the rule says.
 
 use glam::{IVec3, Vec3};
 use thiserror::Error;
 
+pub use crate::plane_cell::TableSize;
 use crate::{
     cloud::{Cloud, CloudMask, WORD_BITS},
+    cloud_extent::CloudExtent,
     cloud_pair::{Pair, SampleTest},
     edge_plane::float,
     lanes::Lanes,
+    plane_cell::{CellGrid, radius_of},
     precision::PrecisionMode,
+    shaft::{box_of, reaches},
     statistics::Tally,
-    view::Offsets,
 };
 
 /// Most cells on a side of the square of directions.
@@ -24,15 +32,6 @@ pub const MAX_DIRECTIONS: u32 = 1024;
 
 /// Most distances.
 pub const MAX_DISTANCES: u32 = 4096;
-
-/// How finely planes are told apart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TableSize {
-    /// Cells on a side of the square of directions, in `1..=1024`: there are as many directions as its square.
-    pub directions: u32,
-    /// Distances from the cloud's middle, of each direction, in `1..=4096`.
-    pub distances: u32,
-}
 
 /// Why a table is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
@@ -84,13 +83,11 @@ pub struct CloudTable<'a, C, S> {
 /// What a table's entries stand for.
 #[derive(Clone, Debug)]
 struct Layout {
-    size: TableSize,
+    cells: CellGrid,
     /// Words of an entry.
     words: usize,
-    /// Planes are placed from its base.
-    offsets: Offsets,
-    /// No sample lies farther from the base.
-    radius: f32,
+    /// The box around the samples.
+    bounds: [IVec3; 2],
     full: CloudMask,
 }
 
@@ -132,17 +129,14 @@ impl<'a, C: AsRef<[IVec3]>, S: AsRef<[u32]> + AsMut<[u32]>> CloudTable<'a, C, S>
         if got != needed {
             return Err(TableError::Buffer { needed, got });
         }
-        let [low, high] = cloud.bounds();
-        let base = low + (high - low) / 2;
-        let limit = float((high - base).max(base - low));
-        let (mut radius, mut full) = (1.0, CloudMask::default());
-        for (k, sample) in cloud.samples().iter().enumerate() {
-            radius = Lanes::max(radius, float(sample - base).length());
+        let extent = CloudExtent::of(cloud.samples());
+        let (base, radius) = (extent.middle(), radius_of(&extent));
+        let mut full = CloudMask::default();
+        for k in 0..cloud.samples().len() {
             if let Some(word) = full.get_mut(k / WORD_BITS) {
                 *word |= 1 << (k % WORD_BITS);
             }
         }
-        let offsets = Offsets::at_base(base, limit);
         // None of them is 0, which has to be said here: nothing may panic.
         let (words, cells) = (cloud.words().max(1), size.directions.max(1));
         for (cell, of_direction) in
@@ -151,7 +145,8 @@ impl<'a, C: AsRef<[IVec3]>, S: AsRef<[u32]> + AsMut<[u32]>> CloudTable<'a, C, S>
             let (row, column) = (cell as u32 / cells, cell as u32 % cells);
             fill(cloud.samples(), base, radius, direction([row, column], cells), words, of_direction);
         }
-        Ok(Self { cloud, layout: Layout { size, words, offsets, radius, full }, entries })
+        let cells = CellGrid::new(&extent, size);
+        Ok(Self { cloud, layout: Layout { cells, words, bounds: extent.bounds(), full }, entries })
     }
 }
 
@@ -163,7 +158,12 @@ impl<'a, C, S: AsRef<[u32]>> CloudTable<'a, C, S> {
 
     /// How finely planes are told apart.
     pub fn size(&self) -> TableSize {
-        self.layout.size
+        self.layout.cells.size()
+    }
+
+    /// All words: entry by entry, those of a direction one after the other by their distances.
+    pub fn words(&self) -> &[u32] {
+        self.entries.as_ref()
     }
 
     /// The planes, for lookups.
@@ -173,26 +173,18 @@ impl<'a, C, S: AsRef<[u32]>> CloudTable<'a, C, S> {
 }
 
 impl PlaneTable<'_> {
-    /// ANDs the samples `x` with `outward·(x − base) ≤ at_base`, roughly, to a mask.
+    /// Takes the samples outside plane `k` of a pair out of a mask.
     #[inline(always)]
-    fn cut(&self, outward: Vec3, at_base: f32, mask: &mut CloudMask) {
-        let Layout { size, words, radius, .. } = *self.layout;
-        let length = outward.length();
-        // A plane without a direction has nothing on its inner side.
-        let distance = if length > 0.0 { -at_base / (length * radius) } else { 1.0 };
-        if distance <= -1.0 {
+    fn cut(&self, pair: &Pair, k: usize, mask: &mut CloudMask) {
+        let Layout { cells, words, .. } = self.layout;
+        let cell = cells.cell(pair, k);
+        if cell.slot < 0 {
             return;
         }
-        let entry = if distance >= 1.0 {
-            None
-        } else {
-            let [row, column] = cell(-outward, size.directions);
-            let distances = size.distances as usize;
-            let slot = ((0.5 * distance + 0.5) * distances as f32) as usize;
-            let place = (row * size.directions + column) as usize * distances + slot.min(distances - 1);
-            self.entries.get(place * words..(place + 1) * words)
+        let entry = match cells.entry(cell) {
+            Some(place) => self.entries.get(place as usize * words..(place as usize + 1) * words).unwrap_or(&[]),
+            None => &[],
         };
-        let entry = entry.unwrap_or(&[]);
         let mut k = 0;
         while k < mask.len() {
             mask[k] &= if k < entry.len() { entry[k] } else { 0 };
@@ -232,22 +224,6 @@ fn direction(cell: [u32; 2], cells: u32) -> Vec3 {
     Vec3::new(inward(x), inward(y), z).normalize_or_zero()
 }
 
-/// The cell that a direction, of any length above zero, lies in: row and column.
-#[inline(always)]
-fn cell(v: Vec3, cells: u32) -> [u32; 2] {
-    let v = v / (v.x.abs() + v.y.abs() + v.z.abs());
-    let folded = |at: f32, other: f32| {
-        if v.z >= 0.0 {
-            at
-        } else {
-            let outward = 1.0 - other.abs();
-            if at >= 0.0 { outward } else { -outward }
-        }
-    };
-    let place = |at: f32| (((0.5 * at + 0.5) * cells as f32) as u32).min(cells - 1);
-    [place(folded(v.y, v.x)), place(folded(v.x, v.y))]
-}
-
 impl SampleTest for PlaneTable<'_> {
     #[inline(always)]
     fn mark<L: Lanes, P: PrecisionMode, const N: usize>(
@@ -256,24 +232,27 @@ impl SampleTest for PlaneTable<'_> {
         mask: &mut CloudMask,
         _: &mut Tally,
     ) -> u32 {
-        let planes = pair.planes::<L, P, N>(&self.layout.offsets);
-        let (mut blocked, mut k) = (self.layout.full, 0);
+        let Layout { words, bounds, full, .. } = self.layout;
+        let (mut blocked, mut k) = (*full, 0);
         while k < N {
             if pair.cuts >> k & 1 == 1 {
-                let outward = Vec3::new(planes.normals[0][k], planes.normals[1][k], planes.normals[2][k]);
-                self.cut(outward * SCALE, planes.at_base[k] * SCALE, &mut blocked);
+                self.cut(pair, k, &mut blocked);
             }
             k += 1;
         }
         let (mut found, mut word) = (0, 0);
-        while word < self.layout.words && word < blocked.len() {
+        while word < *words && word < blocked.len() {
             found += (blocked[word] & !mask[word]).count_ones();
+            word += 1;
+        }
+        if found == 0 || !reaches(pair.receiver, *bounds, box_of(pair.corners)) {
+            return 0;
+        }
+        let mut word = 0;
+        while word < *words && word < blocked.len() {
             mask[word] |= blocked[word];
             word += 1;
         }
         found
     }
 }
-
-/// Keeps squares of normals within the range of a float.
-const SCALE: f32 = 1.0 / (1_u64 << 40) as f32;

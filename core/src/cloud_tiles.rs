@@ -9,7 +9,7 @@ use glam::IVec3;
 
 use crate::{
     cloud::{CloudMask, MAX_CLOUD, MAX_CLOUD_WORDS, WORD_BITS, blocks},
-    cloud_extent::{CloudExtent, Long, middle_of},
+    cloud_extent::{CloudExtent, Long},
     cloud_pair::{Pair, SampleTest},
     kernel::resolve_cloud::SampleTile,
     lanes::{Lanes, TILE},
@@ -50,11 +50,8 @@ impl<'a> CloudTiles<'a> {
     /// other had better lie together.
     pub fn new(samples: &'a [IVec3]) -> Self {
         let samples = samples.get(..MAX_CLOUD).unwrap_or(samples);
-        let [low, high] = around(samples);
-        let center = middle_of([low, high]);
-        let away = |sample: &IVec3| ((sample - center).as_dvec3().length() as f32).next_up();
-        let radius = samples.iter().map(away).fold(0.0, Lanes::max);
-        let extent = CloudExtent::new([low, high], radius);
+        let extent = CloudExtent::of(samples);
+        let center = extent.middle();
         let no_box = TileBoxes { middle: [[0.0; TILE]; 3], half: [[0.0; TILE]; 3] };
         let mut cloud = Self {
             samples,

@@ -7,6 +7,8 @@
 
 use glam::{IVec3, Vec3};
 
+#[cfg(not(target_arch = "spirv"))]
+use crate::any_light::AnyLight;
 use crate::{
     exact::{Wide, WideInt},
     light::LatticeLight,
@@ -74,6 +76,16 @@ impl Facing {
     fn components(self) -> IVec3 {
         let component = |k: u32| (self.0 << (32 - BITS * (k + 1))) as i32 >> (32 - BITS);
         IVec3::new(component(0), component(1), component(2))
+    }
+
+    /// Whether a receiver at `p` sees the light where nothing lies between: it lies before it, and does not face away. One that is
+    /// where a point is sees it, though no triangle matters to it.
+    #[cfg(not(target_arch = "spirv"))]
+    pub fn sees(self, light: &AnyLight, p: IVec3) -> bool {
+        match light {
+            AnyLight::Area(light) => light.reaches(&[p]) && !self.is_away_from(light, p),
+            AnyLight::Punctual(light) => !self.is_away_from_punctual(*light, p),
+        }
     }
 
     /// Whether a receiver at `p`, on the lattice, faces away from every sample of the light.

@@ -30,6 +30,7 @@ pub mod occluder;
 pub mod order;
 pub mod outline;
 pub mod params;
+pub mod plane_cell;
 pub mod precision;
 pub mod proj4;
 pub mod punctual;

@@ -14,6 +14,7 @@ use crate::{
     jitter::{Jitter, Pattern},
     light::LatticeLight,
     order::{BoxCurve, CodeFrame},
+    plane_cell::TableSize,
     punctual::Punctual,
     punctual_frame::PunctualFrame,
 };
@@ -45,6 +46,31 @@ impl Dispatched for Params {
         self
     }
 }
+
+/// Parameters with [`Params`] among them, which lay out ids.
+macro_rules! dispatched_as_params {
+    ($($with_params:ty),*) => {
+        $(
+            impl Dispatched for $with_params {
+                #[inline(always)]
+                fn count(&self) -> u32 {
+                    self.params.count()
+                }
+
+                #[inline(always)]
+                fn row(&self) -> u32 {
+                    self.params.row()
+                }
+
+                fn with_row(self, row: u32) -> Self {
+                    Self { params: self.params.with_row(row), ..self }
+                }
+            }
+        )*
+    };
+}
+
+dispatched_as_params!(JitteredParams, PunctualParams, CloudParams);
 
 /// One light, the layout of the hierarchy, and one pass.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -213,23 +239,6 @@ pub struct JitteredParams {
     pub pattern: Pattern,
 }
 
-impl Dispatched for JitteredParams {
-    #[inline(always)]
-    fn count(&self) -> u32 {
-        self.params.count()
-    }
-
-    #[inline(always)]
-    fn row(&self) -> u32 {
-        self.params.row()
-    }
-
-    fn with_row(mut self, row: u32) -> Self {
-        self.params = self.params.with_row(row);
-        self
-    }
-}
-
 /// [`Params`] of one frame of a light without extent.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
@@ -285,32 +294,15 @@ impl PunctualParams {
     }
 }
 
-impl Dispatched for PunctualParams {
-    #[inline(always)]
-    fn count(&self) -> u32 {
-        self.params.count()
-    }
-
-    #[inline(always)]
-    fn row(&self) -> u32 {
-        self.params.row()
-    }
-
-    fn with_row(mut self, row: u32) -> Self {
-        self.params = self.params.with_row(row);
-        self
-    }
-}
-
 /// [`Params`] of a light that is a cloud of samples.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct CloudParams {
     /// The pass, and a light of as many samples; else nothing.
     pub params: Params,
-    /// The lowest corner of the box around the samples; 0.
+    /// The lowest corner of the box around the samples; directions on a side of the table of planes, 0 without one.
     low: IVec4,
-    /// The highest; 0.
+    /// The highest; distances of the table.
     high: IVec4,
     /// How far samples lie from the middle; 0.
     radius: Vec4,
@@ -356,6 +348,20 @@ impl CloudParams {
         Self { params: self.params.with_pass(pass), ..self }
     }
 
+    /// The same, by a table of planes.
+    #[cfg(not(target_arch = "spirv"))]
+    #[must_use]
+    pub fn with_table(mut self, size: TableSize) -> Self {
+        (self.low.w, self.high.w) = (size.directions as i32, size.distances as i32);
+        self
+    }
+
+    /// Size of the table of planes.
+    #[inline(always)]
+    pub fn table(&self) -> TableSize {
+        TableSize { directions: self.low.w as u32, distances: self.high.w as u32 }
+    }
+
     /// Samples of the cloud.
     #[inline(always)]
     pub fn samples(&self) -> u32 {
@@ -372,23 +378,6 @@ impl CloudParams {
     #[inline(always)]
     pub fn curve(&self) -> BoxCurve {
         BoxCurve { low: [self.curve.x, self.curve.y, self.curve.z], shift: self.curve.w as u32 }
-    }
-}
-
-impl Dispatched for CloudParams {
-    #[inline(always)]
-    fn count(&self) -> u32 {
-        self.params.count()
-    }
-
-    #[inline(always)]
-    fn row(&self) -> u32 {
-        self.params.row()
-    }
-
-    fn with_row(mut self, row: u32) -> Self {
-        self.params = self.params.with_row(row);
-        self
     }
 }
 

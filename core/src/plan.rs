@@ -47,6 +47,8 @@ pub struct SceneFacts {
     pub facing: bool,
     /// Whether the light is one without extent ([`crate::punctual`]): masks have one bit.
     pub punctual: bool,
+    /// Whether samples of a cloud are looked up in a [table of planes](crate::cloud_table).
+    pub table: bool,
 }
 
 impl Default for SceneFacts {
@@ -65,6 +67,7 @@ impl Default for SceneFacts {
             reached: true,
             facing: false,
             punctual: false,
+            table: false,
         }
     }
 }
@@ -187,6 +190,9 @@ impl Plan {
             }
             Stage::ResolvePunctual if !facts.punctual => (false, "the light has an area"),
             Stage::ResolveCloud if !cloud => (false, "the light is no cloud"),
+            Stage::ResolveCloud if facts.table && (triangles || facts.facing) => {
+                (true, "receivers to shadow, by a table of planes")
+            }
             _ if cloud && !triangles && !facts.facing => {
                 (false, if facts.reached { "no triangles" } else { "no triangle lies between receivers and light" })
             }

@@ -21,7 +21,13 @@
 
 use glam::IVec3;
 
-use crate::{hierarchy::Question, lanes::Lanes, proj4::NODE, snap::LIMIT};
+use crate::{
+    exact::{Wide, WideInt},
+    hierarchy::Question,
+    lanes::Lanes,
+    proj4::NODE,
+    snap::LIMIT,
+};
 
 /// Most tangents: one for each pair of axes and quadrant.
 const TANGENTS: usize = 12;
@@ -80,9 +86,9 @@ pub fn around(points: &[IVec3]) -> [IVec3; 2] {
 }
 
 /// Whether two boxes have a point in common.
-#[cfg(not(target_arch = "spirv"))]
-pub fn meet([low, high]: [IVec3; 2], other: [IVec3; 2]) -> bool {
-    low.cmple(other[1]).all() && other[0].cmple(high).all()
+#[inline(always)]
+pub fn meet([low, high]: [IVec3; 2], [from, to]: [IVec3; 2]) -> bool {
+    low.x <= to.x && low.y <= to.y && low.z <= to.z && from.x <= high.x && from.y <= high.y && from.z <= high.z
 }
 
 /// Tile `id` of a level, from the tiles of the level below it.
@@ -147,17 +153,11 @@ impl Shaft {
     /// Adds the tangent of a quadrant, where there is one.
     #[inline(always)]
     fn add(&mut self, axes: [usize; 2], quadrant: [usize; 2], receivers: &[[i32; 3]; 2], cloud: &[[i32; 3]; 2]) {
-        let [u, v] = [axes[0] % 3, axes[1] % 3];
-        let [s, t] = [quadrant[0] % 2, quadrant[1] % 2];
-        let r = [receivers[s][u], receivers[t][v]];
-        let d = [cloud[s][u] - r[0], cloud[t][v] - r[1]];
-        // Both towards the quadrant, or both away from it, or one of them zero: no edge.
-        if d[0] == 0 || d[1] == 0 || ((d[0] > 0) == (s == 1)) == ((d[1] > 0) == (t == 1)) {
+        let (r, normal) = edge(axes, quadrant, receivers, cloud);
+        if normal[0] == 0 {
             return;
         }
-        let magnitude = [d[1].wrapping_abs(), d[0].wrapping_abs()];
-        let normal =
-            [if s == 1 { magnitude[0] } else { -magnitude[0] }, if t == 1 { magnitude[1] } else { -magnitude[1] }];
+        let [u, v] = [axes[0] % 3, axes[1] % 3];
         let limit = limit(normal, [r[0] - receivers[0][u], r[1] - receivers[0][v]]);
         let place = self.count % TANGENTS;
         self.tangents[place] = Tangent { axes: [u, v], normal: [normal[0] as f32, normal[1] as f32], limit };
@@ -195,6 +195,52 @@ impl Shaft {
         let [low, high] = [ints::<L>(&tile.low[axis], first), ints::<L>(&tile.high[axis], first)];
         L::less(L::splat_int(self.high[axis]), low) | L::less(high, L::splat_int(self.low[axis]))
     }
+}
+
+/// The edge that the hull has in a quadrant, as seen along the third axis: a point of it, and its outer normal N, whose components
+/// are all zero where there is no edge.
+#[inline(always)]
+fn edge(
+    axes: [usize; 2],
+    quadrant: [usize; 2],
+    receivers: &[[i32; 3]; 2],
+    cloud: &[[i32; 3]; 2],
+) -> ([i32; 2], [i32; 2]) {
+    let [u, v] = [axes[0] % 3, axes[1] % 3];
+    let [s, t] = [quadrant[0] % 2, quadrant[1] % 2];
+    let r = [receivers[s][u], receivers[t][v]];
+    let d = [cloud[s][u] - r[0], cloud[t][v] - r[1]];
+    // Both towards the quadrant, or both away from it, or one of them zero: no edge.
+    if d[0] == 0 || d[1] == 0 || ((d[0] > 0) == (s == 1)) == ((d[1] > 0) == (t == 1)) {
+        return (r, [0; 2]);
+    }
+    let magnitude = [d[1].wrapping_abs(), d[0].wrapping_abs()];
+    (r, [if s == 1 { magnitude[0] } else { -magnitude[0] }, if t == 1 { magnitude[1] } else { -magnitude[1] }])
+}
+
+/// Whether a box reaches into the shaft between one receiver and a cloud's box, decided in integers: as seen along each axis,
+/// the box and the hull have a point in common. Then it does into the shaft of every group with that receiver, and every
+/// walk comes by.
+#[cfg_attr(not(target_arch = "spirv"), inline(always))]
+#[cfg_attr(target_arch = "spirv", inline(never))]
+pub(crate) fn reaches(receiver: IVec3, cloud: [IVec3; 2], of_triangle: [IVec3; 2]) -> bool {
+    let hull = [receiver.min(cloud[0]), receiver.max(cloud[1])];
+    if !meet(hull, of_triangle) {
+        return false;
+    }
+    let p = receiver.to_array();
+    let cloud = [cloud[0].to_array(), cloud[1].to_array()];
+    let [low, high] = [of_triangle[0].to_array(), of_triangle[1].to_array()];
+    let (mut inside, mut k) = (true, 0);
+    while inside && k < TANGENTS {
+        let axes = [k / 4, (k / 4 + 1) % 3];
+        let (r, normal) = edge(axes, [k / 2 % 2, k % 2], &[p, p], &cloud);
+        let x = if normal[0] > 0 { low[axes[0] % 3] } else { high[axes[0] % 3] };
+        let y = if normal[1] > 0 { low[axes[1] % 3] } else { high[axes[1] % 3] };
+        inside = Wide::product(normal[0], x - r[0]).plus(Wide::product(normal[1], y - r[1])).sign() <= 0;
+        k += 1;
+    }
+    inside
 }
 
 /// `N·(r − o)`, rounded up.

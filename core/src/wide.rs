@@ -24,6 +24,10 @@ pub trait WideInt: Copy {
     fn minus(self, other: Self) -> Self;
     /// −1, 0 or 1.
     fn sign(self) -> i32;
+    /// Bits of the magnitude: 0 for zero.
+    fn bits(self) -> u32;
+    /// The magnitude divided by `2^down`, rounded down; the largest `u32` where that is more. `down` in `-31..96`.
+    fn shifted(self, down: i32) -> u32;
 }
 
 #[cfg(not(target_arch = "spirv"))]
@@ -66,6 +70,23 @@ impl WideInt for i128 {
     fn sign(self) -> i32 {
         self.signum() as i32
     }
+
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        Self::BITS - self.unsigned_abs().leading_zeros()
+    }
+
+    #[inline(always)]
+    fn shifted(self, down: i32) -> u32 {
+        let magnitude = self.unsigned_abs();
+        if self.bits() as i32 - down > 32 {
+            u32::MAX
+        } else if down < 0 {
+            (magnitude as u32).wrapping_shl(down.unsigned_abs())
+        } else {
+            magnitude.wrapping_shr(down.unsigned_abs()) as u32
+        }
+    }
 }
 
 /// Three `u32` limbs, least significant first, two's complement.
@@ -103,6 +124,11 @@ impl Limbs {
     #[inline(always)]
     fn negate(self) -> Self {
         Self::ZERO.minus(self)
+    }
+
+    #[inline(always)]
+    fn magnitude(self) -> Self {
+        if (self.high as i32) < 0 { self.negate() } else { self }
     }
 
     #[inline(always)]
@@ -164,6 +190,40 @@ impl WideInt for Limbs {
     #[inline(always)]
     fn sign(self) -> i32 {
         if (self.high as i32) < 0 { -1 } else { (self.low | self.mid | self.high != 0) as i32 }
+    }
+
+    #[inline(always)]
+    fn bits(self) -> u32 {
+        let Self { low, mid, high } = self.magnitude();
+        if high != 0 {
+            96 - high.leading_zeros()
+        } else if mid != 0 {
+            64 - mid.leading_zeros()
+        } else {
+            32 - low.leading_zeros()
+        }
+    }
+
+    #[inline(always)]
+    fn shifted(self, down: i32) -> u32 {
+        let Self { low, mid, high } = self.magnitude();
+        if self.bits() as i32 - down > 32 {
+            return u32::MAX;
+        }
+        if down < 0 {
+            return low << (-down & 31);
+        }
+        // The two limbs that the result lies in.
+        let (lower, upper) = if down < 32 {
+            (low, mid)
+        } else if down < 64 {
+            (mid, high)
+        } else {
+            (high, 0)
+        };
+        let bit = down as u32 & 31;
+        // In two steps, since no word can be shifted by 32.
+        lower >> bit | upper << 1 << (31 - bit)
     }
 }
 

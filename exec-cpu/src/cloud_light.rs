@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use umbra4_core::{
-    IndexKind, Plan, SceneFacts,
+    IndexKind, Plan, Precision, SceneFacts,
     cloud::{Cloud, CloudMask},
     cloud_order::OrderedCloud,
     cloud_table::CloudTable,
@@ -33,7 +33,18 @@ impl CpuExecutor {
         receivers: &Receivers,
         visibility: bool,
     ) -> Plan {
-        cloud_plan(occluders, receivers, extent(cloud, receivers), visibility)
+        cloud_plan(occluders, receivers, extent(cloud, receivers), Ask { visibility, table: false })
+    }
+
+    /// The same by a table.
+    pub fn cloud_plan_by_table<C: AsRef<[IVec3]>, S: AsRef<[u32]>>(
+        &self,
+        occluders: &Occluders,
+        table: &CloudTable<'_, C, S>,
+        receivers: &Receivers,
+        visibility: bool,
+    ) -> Plan {
+        cloud_plan(occluders, receivers, extent(table.cloud(), receivers), Ask { visibility, table: true })
     }
 
     /// The masks of all receivers before a cloud of samples. They are exact, bit by bit, in [`umbra4_core::Precision::Exact`].
@@ -64,7 +75,8 @@ impl CpuExecutor {
     ) -> Result<(CloudMasks, Statistics), ExecutorError> {
         let arranged = OrderedCloud::new(cloud.samples());
         let tiles = CloudTiles::new(arranged.samples());
-        self.stored(occluders, cloud, &tiles, &tiles, receivers, |mask, out| arranged.write(mask, out))
+        let light = CloudLight { cloud, tiles: &tiles, test: &tiles, precision: self.precision, table: false };
+        self.stored(occluders, light, receivers, |mask, out| arranged.write(mask, out))
     }
 
     /// The fraction of a cloud's samples that every receiver sees, in `0.0..=1.0`. Masks are never stored.
@@ -94,9 +106,8 @@ impl CpuExecutor {
         cloud: &Cloud<S>,
         receivers: &Receivers,
     ) -> Result<(Vec<f32>, Statistics), ExecutorError> {
-        let samples = cloud.samples().len() as u32;
-        let table: Vec<f32> = (0..=samples).map(|lit| reduce::visibility(lit, samples)).collect();
-        self.per_receiver_of_cloud(occluders, cloud, receivers, |lit| table[lit as usize])
+        let fractions = fractions(cloud);
+        self.per_receiver_of_cloud(occluders, cloud, receivers, |lit| fractions[lit as usize])
     }
 
     /// How many samples of a cloud every receiver sees. Masks are never stored.
@@ -128,8 +139,8 @@ impl CpuExecutor {
         self.per_receiver_of_cloud(occluders, cloud, receivers, |lit| lit)
     }
 
-    /// The masks of all receivers before the cloud of a table, by its lookups: not exact, see [`umbra4_core::cloud_table`].
-    /// For a few hundred samples that saves no time.
+    /// The masks of all receivers before the cloud of a table, by its lookups: not exact, see [`umbra4_core::cloud_table`], but
+    /// the same bits on every executor, whatever its precision. For a few hundred samples that saves no time.
     ///
     /// ```
     /// use umbra4_cpu::{CpuExecutor, Occluders, Receivers};
@@ -156,11 +167,41 @@ impl CpuExecutor {
         table: &CloudTable<'_, C, S>,
         receivers: &Receivers,
     ) -> Result<(CloudMasks, Statistics), ExecutorError> {
-        // In the table's order, which is the caller's.
-        let (cloud, tiles) = (table.cloud(), CloudTiles::new(table.cloud().samples()));
-        self.stored(occluders, cloud, &tiles, &table.planes(), receivers, |mask, out| {
+        let tiles = CloudTiles::new(table.cloud().samples());
+        self.stored(occluders, CloudLight::by_table(table, &tiles, &table.planes()), receivers, |mask, out| {
+            // In the table's order, which is the caller's.
             out.copy_from_slice(&mask[..out.len()]);
         })
+    }
+
+    /// [`CpuExecutor::cloud_visibility`] by the lookups of a table.
+    ///
+    /// # Errors
+    /// None yet.
+    pub fn cloud_visibility_by_table<C: AsRef<[IVec3]> + Sync, S: AsRef<[u32]> + Sync>(
+        &self,
+        occluders: &Occluders,
+        table: &CloudTable<'_, C, S>,
+        receivers: &Receivers,
+    ) -> Result<(Vec<f32>, Statistics), ExecutorError> {
+        let (fractions, tiles) = (fractions(table.cloud()), CloudTiles::new(table.cloud().samples()));
+        let planes = table.planes();
+        let light = CloudLight::by_table(table, &tiles, &planes);
+        self.per_receiver_of(occluders, light, receivers, |lit| fractions[lit as usize])
+    }
+
+    /// [`CpuExecutor::cloud_lit_counts`] by the lookups of a table.
+    ///
+    /// # Errors
+    /// None yet.
+    pub fn cloud_lit_counts_by_table<C: AsRef<[IVec3]> + Sync, S: AsRef<[u32]> + Sync>(
+        &self,
+        occluders: &Occluders,
+        table: &CloudTable<'_, C, S>,
+        receivers: &Receivers,
+    ) -> Result<(Vec<u32>, Statistics), ExecutorError> {
+        let tiles = CloudTiles::new(table.cloud().samples());
+        self.per_receiver_of(occluders, CloudLight::by_table(table, &tiles, &table.planes()), receivers, |lit| lit)
     }
 
     fn per_receiver_of_cloud<S: AsRef<[IVec3]>, V: Copy + Send>(
@@ -172,9 +213,20 @@ impl CpuExecutor {
     ) -> Result<(Vec<V>, Statistics), ExecutorError> {
         let arranged = OrderedCloud::new(cloud.samples());
         let tiles = CloudTiles::new(arranged.samples());
-        let mut values = vec![value(cloud.samples().len() as u32); receivers.len()];
+        let light = CloudLight { cloud, tiles: &tiles, test: &tiles, precision: self.precision, table: false };
+        self.per_receiver_of(occluders, light, receivers, value)
+    }
+
+    fn per_receiver_of<S: AsRef<[IVec3]>, T: CloudKernels, V: Copy + Send>(
+        &self,
+        occluders: &Occluders,
+        light: CloudLight<'_, S, T>,
+        receivers: &Receivers,
+        value: impl Fn(u32) -> V + Sync,
+    ) -> Result<(Vec<V>, Statistics), ExecutorError> {
+        let mut values = vec![value(light.tiles.len() as u32); receivers.len()];
         let out = Scatter::new(&mut values);
-        let statistics = self.run_cloud(occluders, cloud, &tiles, &tiles, receivers, true, |receiver, _, lit| {
+        let statistics = self.run_cloud(occluders, light, receivers, true, |receiver, _, lit| {
             // SAFETY: every receiver is visited once, and its element is its own.
             unsafe { out.part(receiver, 1) }.fill(value(lit));
         })?;
@@ -185,20 +237,18 @@ impl CpuExecutor {
     fn stored<S: AsRef<[IVec3]>, T: CloudKernels>(
         &self,
         occluders: &Occluders,
-        cloud: &Cloud<S>,
-        tiles: &CloudTiles<'_>,
-        test: &T,
+        light: CloudLight<'_, S, T>,
         receivers: &Receivers,
         write: impl Fn(&CloudMask, &mut [u32]) + Sync,
     ) -> Result<(CloudMasks, Statistics), ExecutorError> {
-        let width = cloud.words();
+        let width = light.cloud.words();
         let too_many = ExecutorError::TooManyWords { receivers: receivers.len(), rows: width as u32 };
         let count = receivers.len().checked_mul(width).ok_or_else(|| too_many.clone())?;
         // The system's zero pages: those of receivers in full light are never touched.
         let mut words = bytemuck::allocation::try_zeroed_vec::<u32>(count).map_err(|()| too_many)?;
         let out = Scatter::new(&mut words);
-        let samples = cloud.samples().len() as u32;
-        let statistics = self.run_cloud(occluders, cloud, tiles, test, receivers, false, |receiver, mask, lit| {
+        let samples = light.tiles.len() as u32;
+        let statistics = self.run_cloud(occluders, light, receivers, false, |receiver, mask, lit| {
             if lit < samples {
                 // SAFETY: every receiver is visited once, and its part is its own.
                 write(mask, unsafe { out.part(receiver * width, width) });
@@ -207,29 +257,56 @@ impl CpuExecutor {
         Ok((CloudMasks { width, words }, statistics))
     }
 
-    #[allow(clippy::too_many_arguments, reason = "what is asked, of what, and who hears of it")]
     fn run_cloud<S: AsRef<[IVec3]>, T: CloudKernels>(
         &self,
         scene: &Occluders,
-        light: &Cloud<S>,
-        cloud: &CloudTiles<'_>,
-        test: &T,
+        light: CloudLight<'_, S, T>,
         receivers: &Receivers,
         visibility: bool,
         visit: impl Fn(usize, &CloudMask, u32) + Sync,
     ) -> Result<Statistics, ExecutorError> {
-        let (isa, precision) = (self.isa, self.precision);
-        let extent = extent(light, receivers);
+        let CloudLight { cloud, tiles, test, precision, table } = light;
+        let (isa, extent) = (self.isa, extent(cloud, receivers));
         let work = || {
-            let plan = cloud_plan(scene, receivers, extent, visibility);
-            CloudRun::new(CloudInput { plan: &plan, isa, precision, cloud, test, scene, receivers, extent }, &visit)
-                .finish()
+            let plan = cloud_plan(scene, receivers, extent, Ask { visibility, table });
+            let input = CloudInput { plan: &plan, isa, precision, cloud: tiles, test, scene, receivers, extent };
+            CloudRun::new(input, &visit).finish()
         };
         match &self.pool {
             Some(pool) => pool.install(work),
             None => work(),
         }
     }
+}
+
+/// A cloud, and how its samples are told apart.
+struct CloudLight<'a, S, T> {
+    cloud: &'a Cloud<S>,
+    /// In the order of a mask's bits.
+    tiles: &'a CloudTiles<'a>,
+    test: &'a T,
+    precision: Precision,
+    /// Whether `test` is a table.
+    table: bool,
+}
+
+impl<'a, C, T> CloudLight<'a, C, T> {
+    /// By a table: certified always, since what is found in floats before a lookup has to be right.
+    fn by_table<S: AsRef<[u32]>>(table: &CloudTable<'a, C, S>, tiles: &'a CloudTiles<'a>, test: &'a T) -> Self {
+        Self { cloud: table.cloud(), tiles, test, precision: Precision::Exact, table: true }
+    }
+}
+
+/// What is asked for, as a plan says it.
+struct Ask {
+    visibility: bool,
+    table: bool,
+}
+
+/// Visibility, by the samples that are lit.
+fn fractions<S: AsRef<[IVec3]>>(cloud: &Cloud<S>) -> Vec<f32> {
+    let samples = cloud.samples().len() as u32;
+    (0..=samples).map(|lit| reduce::visibility(lit, samples)).collect()
 }
 
 /// The box around a cloud and all receivers: nothing outside of it blocks anything.
@@ -243,13 +320,14 @@ fn extent<S: AsRef<[IVec3]>>(cloud: &Cloud<S>, receivers: &Receivers) -> [IVec3;
 }
 
 /// Where no triangle reaches into `extent` there is nothing to do for any receiver.
-fn cloud_plan(occluders: &Occluders, receivers: &Receivers, extent: [IVec3; 2], visibility: bool) -> Plan {
+fn cloud_plan(occluders: &Occluders, receivers: &Receivers, extent: [IVec3; 2], ask: Ask) -> Plan {
     let ids = (0..occluders.triangles().len()).into_par_iter().with_min_len(PART);
     let reached = ids.any(|id| occluders.corners(id).is_some_and(|corners| meet(box_of(corners), extent)));
     Plan::new(SceneFacts {
         triangles: occluders.triangles().len() as u32,
         receivers: receivers.len() as u32,
-        visibility,
+        visibility: ask.visibility,
+        table: ask.table,
         block: BLOCK,
         index: IndexKind::Shafts,
         arranged: occluders.arrangement().is_some(),

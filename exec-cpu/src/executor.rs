@@ -43,11 +43,11 @@ pub enum ExecutorError {
         reason: String,
     },
     /// The result would not fit the address space.
-    #[error("masks of {receivers} receivers with {rows} rows are too many words")]
+    #[error("masks of {receivers} receivers, {rows} words each, do not fit the memory")]
     TooManyWords {
         /// Receivers.
         receivers: usize,
-        /// Rows of the light.
+        /// Words of a receiver's mask: a row each, or of a cloud 32 samples.
         rows: u32,
     },
     /// The grid cannot have so many cells.
@@ -182,7 +182,7 @@ impl CpuExecutor {
         Plan::new(SceneFacts {
             jittered: light.jitter.is_some(),
             arranged: occluders.arrangement().is_some(),
-            reached: receivers.meet(light),
+            reached: receivers.meet(*light),
             facing: !receivers.facings().is_empty(),
             triangles: occluders.triangles().len() as u32,
             receivers: receivers.len() as u32,
@@ -202,7 +202,7 @@ impl CpuExecutor {
         punctual_plan(
             occluders.triangles().len(),
             receivers.len(),
-            receivers.meet_punctual(light),
+            receivers.meet(*light),
             !receivers.facings().is_empty(),
         )
     }

@@ -125,7 +125,7 @@ impl CpuExecutor {
             }
         };
         let back = (sides == Sides::Both).then(|| light.back());
-        let sides = [Some(*light), back].map(|side| side.filter(|side| receivers.meet(side)));
+        let sides = [Some(*light), back].map(|side| side.filter(|side| receivers.meet(*side)));
         let Some(emission) = emission else {
             let run = |side: &LatticeLight, _| self.visibility(occluders, side, receivers);
             return sum(sides, run, |sum, of_back| *sum += of_back)
@@ -146,7 +146,7 @@ impl CpuExecutor {
         light: &Punctual,
         receivers: &Receivers,
     ) -> Result<(Lit, Statistics), ExecutorError> {
-        if !receivers.meet_punctual(light) {
+        if !receivers.meet(*light) {
             return Ok((Lit::Nowhere, Statistics::default()));
         }
         let (shadows, statistics) = self.hard_shadows(occluders, light, receivers)?;

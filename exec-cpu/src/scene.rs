@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 use thiserror::Error;
 use umbra4_core::{
-    Facing, Lattice, LatticeLight, Lift, Punctual, SnapError,
+    AnyLight, Facing, Lattice, Lift, SnapError,
     glam::{DVec3, IVec3, Vec3},
     stage::snap_receivers::lifted,
 };
@@ -297,17 +297,10 @@ impl Receivers {
         self.facings.get(index).copied().unwrap_or(Facing::UNKNOWN)
     }
 
-    /// Whether the light lies before one of them, and one of them before the light.
-    pub(crate) fn meet(&self, light: &LatticeLight) -> bool {
-        let of_one =
-            |(index, p)| light.reaches(std::slice::from_ref(p)) && !self.facing_of(index).is_away_from(light, *p);
-        self.points.iter().enumerate().any(of_one)
-    }
-
-    /// Whether one of them does not face away from a light without extent.
-    pub(crate) fn meet_punctual(&self, light: &Punctual) -> bool {
-        let mut receivers = self.points.iter().enumerate();
-        receivers.any(|(index, p)| !self.facing_of(index).is_away_from_punctual(*light, *p))
+    /// Whether one of them sees the light where nothing lies between.
+    pub(crate) fn meet(&self, light: impl Into<AnyLight>) -> bool {
+        let light = light.into();
+        self.points.iter().enumerate().any(|(index, p)| self.facing_of(index).sees(&light, *p))
     }
 
     /// Lattice coordinates of the receivers.

@@ -22,7 +22,7 @@ use umbra4_core::{
 use crate::{
     Gpu, GpuError, LatticeReceivers, LatticeScene, Loading, Statistics, checks,
     host::{Asked, Host, Results},
-    light_run::{LightRun, RunLight, faces_with, reaches},
+    light_run::{LightRun, RunLight, faces_with, meet},
     recorder::Recorder,
     scratch::Scratch,
     stages::{BLOCK, Buffers, SMALLEST_SLICE, block, mask_layout, narrowest, slice},
@@ -252,7 +252,8 @@ impl WgpuExecutor {
         let layout = mask_layout(light, bits, self.precision, asked.counts, slice(self.gpu.software));
         let layout = MaskLayout { reduction, ..layout };
         let faces = faces_with(light, points);
-        let reached = reaches(light, receivers);
+        // To a receiver where a point is, no triangle matters: it lies in none of its frames.
+        let reached = faces != 0 && meet(light, receivers);
         let nothing = LatticeScene { vertices: &[], triangles: &[] };
         let scene = if reached { scene } else { &nothing };
         let facts = SceneFacts {
@@ -298,6 +299,9 @@ impl WgpuExecutor {
                 let weights = scratch.fit::<PackedWeight>(device, "weights", MOST_SAMPLES)?;
                 let sums = scratch.fit::<[u32; 3]>(device, "weighed light", receivers.points.len() as u64)?;
                 buffers.emission = Some([(&weights).into(), (&sums).into()]);
+            }
+            if let Some(words) = asked.planes {
+                buffers.planes = Some(scratch.fit::<u32>(device, "table of planes", words.len() as u64)?);
             }
             let mut host = Host::new(&self.gpu, asked, run.layout.stride);
             host.upload(&buffers, scene, receivers)?;

@@ -29,6 +29,8 @@ pub(crate) struct Asked<'a> {
     pub(crate) weights: Option<&'a [PackedWeight]>,
     /// Those of a cloud.
     pub(crate) samples: &'a [SampleTile],
+    /// A table of planes before it.
+    pub(crate) planes: Option<&'a [u32]>,
 }
 
 /// What came back.
@@ -75,8 +77,10 @@ impl<'a> Host<'a> {
         let weights = weights.map(|(buffer, weights)| (buffer, bytemuck::cast_slice(weights)));
         let facings = buffers.facings.as_ref().map(|buffer| (buffer, bytemuck::cast_slice(receivers.facings)));
         let samples = buffers.samples.as_ref().map(|buffer| (buffer, bytemuck::cast_slice(self.asked.samples)));
+        let planes = buffers.planes.as_ref().zip(self.asked.planes);
+        let planes = planes.map(|(buffer, words)| (buffer, bytemuck::cast_slice(words)));
         guarded(device, "uploads a scene", || {
-            for (buffer, bytes) in parts.into_iter().chain(weights).chain(facings).chain(samples) {
+            for (buffer, bytes) in parts.into_iter().chain(weights).chain(facings).chain(samples).chain(planes) {
                 queue.write_buffer(buffer, 0, bytes);
             }
         })

@@ -1,7 +1,8 @@
 //! A light's run: the stages in each of its frames, one after the other.
 
 use umbra4_core::{
-    AnyLight, Facing, Plan, SceneFacts, cloud_tiles::CloudTiles, glam::IVec3, kernel::dispatch::MaskLayout,
+    AnyLight, Facing, Plan, SceneFacts, cloud_table::TableSize, cloud_tiles::CloudTiles, glam::IVec3,
+    kernel::dispatch::MaskLayout,
 };
 
 use crate::{
@@ -15,8 +16,8 @@ use crate::{
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum RunLight<'a> {
     Any(AnyLight),
-    /// Samples in the order of a mask's bits.
-    Cloud(&'a CloudTiles<'a>),
+    /// Samples in the order of a mask's bits, and the size of the table that they are looked up in.
+    Cloud(&'a CloudTiles<'a>, Option<TableSize>),
 }
 
 /// A light, and what is asked of it.
@@ -49,14 +50,11 @@ pub(crate) fn faces_with(light: &AnyLight, receivers: &[IVec3]) -> u32 {
     }
 }
 
-/// Whether a triangle may matter to one of the receivers: it lies before the light, and does not face away from it.
-pub(crate) fn reaches(light: &AnyLight, receivers: LatticeReceivers<'_>) -> bool {
+/// Whether one of the receivers sees the light where nothing lies between.
+pub(crate) fn meet(light: &AnyLight, receivers: LatticeReceivers<'_>) -> bool {
     let LatticeReceivers { points, facings } = receivers;
     let facing = |index: usize| facings.get(index).copied().unwrap_or(Facing::UNKNOWN);
-    points.iter().enumerate().any(|(index, p)| match light {
-        AnyLight::Area(light) => light.reaches(&[*p]) && !facing(index).is_away_from(light, *p),
-        AnyLight::Punctual(light) => light.face_of(*p).is_some() && !facing(index).is_away_from_punctual(*light, *p),
-    })
+    points.iter().enumerate().any(|(index, p)| facing(index).sees(light, *p))
 }
 
 impl LightRun<'_> {
@@ -74,8 +72,8 @@ impl LightRun<'_> {
                 let told = Told::area(light, *bounds, plan.levels());
                 return Stages::new(&plan, *layout, told, recorder, buffers, ends).run();
             }
-            RunLight::Cloud(cloud) => {
-                let told = Told::cloud(cloud, *bounds, plan.levels());
+            RunLight::Cloud(cloud, table) => {
+                let told = Told::cloud(cloud, *table, *bounds, plan.levels());
                 return Stages::new(&plan, *layout, told, recorder, buffers, ends).run();
             }
             RunLight::Any(AnyLight::Punctual(light)) => light,

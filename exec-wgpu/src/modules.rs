@@ -56,6 +56,8 @@ modules! {
     ResolveCloudFast: "resolve_cloud_fast",
     ResolveCloudExactCounted: "resolve_cloud_exact_counted",
     ResolveCloudFastCounted: "resolve_cloud_fast_counted",
+    ResolveCloudByTable: "resolve_cloud_by_table",
+    ResolveCloudByTableCounted: "resolve_cloud_by_table_counted",
     Reduce: "reduce",
     Weigh: "weigh",
     Pack: "pack",

@@ -62,6 +62,12 @@ pub(crate) fn cloud_layout(words: u32, precision: Precision, counted: bool, slic
     MaskLayout { resolve, stride: words, counted, slice, reduction: Reduction::LitCounts }
 }
 
+/// The same by a table of planes.
+pub(crate) fn table_layout(words: u32, counted: bool, slice: u32) -> MaskLayout {
+    let resolve = if counted { Kernel::ResolveCloudByTableCounted } else { Kernel::ResolveCloudByTable };
+    MaskLayout { resolve, stride: words, counted, slice, reduction: Reduction::LitCounts }
+}
+
 /// Receivers of a block: at most `most`, and no more than the memory for masks holds.
 pub(crate) fn block(layout: &MaskLayout, most: u32) -> u32 {
     most.min((MASK_BYTES / (4 * u64::from(layout.stride))) as u32)
@@ -118,6 +124,8 @@ pub(crate) struct Buffers {
     /// Of an emission: the weights, and where their sums go. Whoever asks for sums brings them.
     pub(crate) emission: Option<[Resource; 2]>,
     pub(crate) samples: Option<Buffer>,
+    /// A table of planes. Whoever has one brings it.
+    pub(crate) planes: Option<Buffer>,
     triangle_keys: Buffer,
     triangle_order: Buffer,
     occluders: Buffer,
@@ -158,7 +166,7 @@ impl Buffers {
             triangle_order: fit.of::<[u32; 2]>("order of triangles", triangles)?,
             occluders: fit.of::<[[i32; 4]; 3]>("triangles in order", triangles)?,
             nodes: if cloud { fit.of::<BoxTile>("boxes", tiles)? } else { fit.of::<KeyTile>("nodes", tiles)? },
-            samples: if cloud { Some(fit.of::<SampleTile>("samples", SAMPLE_TILES)?) } else { None },
+            samples: if cloud && !facts.table { Some(fit.of::<SampleTile>("samples", SAMPLE_TILES)?) } else { None },
             receivers: fit.of::<[i32; 3]>("receivers", receivers)?,
             facings: if facts.facing { Some(fit.of::<u32>(FACINGS, receivers)?) } else { None },
             receiver_keys: fit.of::<[f32; 5]>("keys of receivers", keyed(u64::from(block)))?,
@@ -172,6 +180,7 @@ impl Buffers {
                 false => None,
             },
             emission: None,
+            planes: None,
         })
     }
 }
@@ -200,6 +209,7 @@ impl Buffers {
             Role::Counts => self.counts.as_ref().unwrap_or(&self.masks),
             Role::LitCounts => self.lit.as_ref().unwrap_or(&self.masks),
             Role::Facings => self.facings.as_ref().unwrap_or(&self.masks),
+            Role::Planes => self.planes.as_ref().unwrap_or(&self.masks),
             Role::Samples => self.samples.as_ref().unwrap_or(&self.masks),
             Role::Weights | Role::WeighedLight => match &self.emission {
                 Some([weights, _]) if role == Role::Weights => return weights.clone(),

@@ -2,6 +2,7 @@
 
 use umbra4_core::{
     LatticeLight, Punctual,
+    cloud_table::TableSize,
     cloud_tiles::CloudTiles,
     edge_plane::LightGrid,
     glam::IVec3,
@@ -43,9 +44,10 @@ impl Told {
         Self::Punctual(PunctualParams::new(light, face, &codes, levels))
     }
 
-    /// Of a cloud. `bounds` as in [`Told::area`].
-    pub(crate) fn cloud(cloud: &CloudTiles<'_>, bounds: [IVec3; 2], levels: &Levels) -> Self {
-        Self::Cloud(CloudParams::new(cloud.extent(), cloud.len() as u32, &BoxCurve::through(bounds), levels))
+    /// Of a cloud, and the size of its table. `bounds` as in [`Told::area`].
+    pub(crate) fn cloud(cloud: &CloudTiles<'_>, table: Option<TableSize>, bounds: [IVec3; 2], levels: &Levels) -> Self {
+        let params = CloudParams::new(cloud.extent(), cloud.len() as u32, &BoxCurve::through(bounds), levels);
+        Self::Cloud(table.map_or(params, |size| params.with_table(size)))
     }
 
     /// Records a dispatch.

@@ -16,7 +16,8 @@ use umbra4_core::{
     gbuffer::ViewParams,
     jitter::{Pattern, Regular},
     kernel::{
-        self, order_cloud, resolve::ReceiverCounts, resolve_cloud::SampleTile, snap_receivers, status::Status,
+        self, order_cloud, resolve::ReceiverCounts, resolve_cloud::SampleTile,
+        resolve_cloud_by_table::TableWord, snap_receivers, status::Status,
         weigh::PackedWeight,
     },
     mesh::MeshParams,
@@ -369,7 +370,7 @@ pub fn build_box_level(
 }
 
 macro_rules! resolve_cloud {
-    ($($name:ident, $counted:ident: $precision:ty;)*) => {
+    ($($name:ident, $counted:ident: $precision:ty, $element:ty;)*) => {
         $(
             /// See `umbra4_core::kernel::resolve_cloud`.
             #[spirv(compute(threads(64)))]
@@ -380,12 +381,12 @@ macro_rules! resolve_cloud {
                 #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] order: &[Entry],
                 #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] occluders: &[Occluder],
                 #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] nodes: &[BoxTile],
-                #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] samples: &[SampleTile],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] elements: &[$element],
                 #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] masks: &mut [u32],
             ) {
                 let id = kernel::id(thread.to_array(), params);
-                kernel::resolve_cloud::resolve_cloud::<$precision>(
-                    id, params, receivers, order, occluders, nodes, samples, masks,
+                kernel::resolve_cloud::resolve_cloud::<$precision, $element>(
+                    id, params, receivers, order, occluders, nodes, elements, masks,
                 );
             }
 
@@ -398,13 +399,13 @@ macro_rules! resolve_cloud {
                 #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] order: &[Entry],
                 #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] occluders: &[Occluder],
                 #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] nodes: &[BoxTile],
-                #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] samples: &[SampleTile],
+                #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] elements: &[$element],
                 #[spirv(storage_buffer, descriptor_set = 0, binding = 6)] masks: &mut [u32],
                 #[spirv(storage_buffer, descriptor_set = 0, binding = 7)] counts: &mut [ReceiverCounts],
             ) {
                 let id = kernel::id(thread.to_array(), params);
-                kernel::resolve_cloud::resolve_cloud_counted::<$precision>(
-                    id, params, receivers, order, occluders, nodes, samples, masks, counts,
+                kernel::resolve_cloud::resolve_cloud_counted::<$precision, $element>(
+                    id, params, receivers, order, occluders, nodes, elements, masks, counts,
                 );
             }
         )*
@@ -412,8 +413,9 @@ macro_rules! resolve_cloud {
 }
 
 resolve_cloud! {
-    resolve_cloud_exact, resolve_cloud_exact_counted: Exact;
-    resolve_cloud_fast, resolve_cloud_fast_counted: Fast;
+    resolve_cloud_exact, resolve_cloud_exact_counted: Exact, SampleTile;
+    resolve_cloud_fast, resolve_cloud_fast_counted: Fast, SampleTile;
+    resolve_cloud_by_table, resolve_cloud_by_table_counted: Exact, TableWord;
 }
 
 /// See `umbra4_core::kernel::weigh`.

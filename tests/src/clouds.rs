@@ -2,8 +2,11 @@
 
 use rayon::prelude::*;
 use umbra4_core::{
-    Bounds, Lattice, SphereLight,
-    cloud::{Cloud, MAX_CLOUD},
+    Bounds, Exact, Lattice, SphereLight,
+    cloud::{Cloud, CloudMask, MAX_CLOUD},
+    cloud_pair::{Pair, SampleTest},
+    cloud_table::{CloudTable, TableSize},
+    exact::{Wide, far_side},
     glam::{DVec3, IVec3},
 };
 use umbra4_cpu::{Occluders, Receivers};
@@ -72,6 +75,39 @@ pub fn oracle(samples: &[IVec3], receivers: &[IVec3], triangles: &[[IVec3; 3]]) 
     let bit = |p: IVec3, s: IVec3| u64::from(triangles.iter().any(|&t| hit(p, s, t)));
     let word = |p: IVec3, of_word: &[IVec3]| of_word.iter().enumerate().map(|(k, &s)| bit(p, s) << k).sum::<u64>();
     receivers.par_iter().flat_map_iter(|&p| samples.chunks(32).map(move |of_word| word(p, of_word))).collect()
+}
+
+/// Masks from the rule of a table alone, pair by pair, all four planes looked up: nothing is left out for being far away.
+pub fn by_lookups<C: AsRef<[IVec3]>, S: AsRef<[u32]>>(
+    table: &CloudTable<'_, C, S>,
+    receivers: &[IVec3],
+    triangles: &[[IVec3; 3]],
+) -> Vec<u64> {
+    let words = table.cloud().words();
+    let mask = |&receiver: &IVec3| {
+        let mut mask = CloudMask::default();
+        for &corners in triangles {
+            let side = far_side::<Wide>(receiver, corners);
+            let pair = Pair { receiver, corners, flipped: side < 0, cuts: 0b1111 };
+            if side != 0 {
+                table.planes().mark::<f32, Exact, 4>(&pair, &mut mask, &mut 0);
+            }
+        }
+        mask.into_iter().take(words).map(u64::from)
+    };
+    receivers.iter().flat_map(mask).collect()
+}
+
+/// A table of a case's cloud, of a size that is another for each.
+///
+/// # Panics
+/// Never: the size is one.
+pub fn table_of<'a>(case: &'a Case<'_>) -> CloudTable<'a, &'a [IVec3], Vec<u32>> {
+    const SIZES: [(u32, u32); 4] = [(8, 16), (1, 1), (5, 3), (16, 33)];
+    let (directions, distances) = SIZES[(case.expected.len() + case.cloud.samples().len()) % SIZES.len()];
+    let size = TableSize { directions, distances };
+    let room = vec![!0; CloudTable::words_of(&case.cloud, size).expect("a size")];
+    CloudTable::new(&case.cloud, size, room).expect("the room is that of the table")
 }
 
 fn inside(p: IVec3) -> IVec3 {

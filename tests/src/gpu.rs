@@ -1,5 +1,8 @@
 //! The executor on a GPU, as a [`Subject`].
 
+use std::sync::Arc;
+
+use libtest_mimic::{Arguments, Failed, Trial};
 use umbra4_cpu::CpuWord;
 use umbra4_wgpu::{Choice, Gpu, GpuError, LatticeScene, Loading, WgpuExecutor};
 
@@ -43,6 +46,27 @@ pub fn announced() -> (Result<Gpu, String>, bool) {
             (Err(error.to_string()), false)
         }
     }
+}
+
+/// What is checked of an executor, on scenes of the generator that is named.
+pub type Check = fn(&WgpuExecutor, &str) -> Result<(), Failed>;
+
+/// Receivers of a block: fewer than most scenes have, so that blocks are tested as well.
+const BLOCK: u32 = 96;
+
+/// Runs checks as the tests of a binary, by their names, each with its generator, on one executor that counts pairs and takes
+/// the time of stages.
+pub fn run(checks: Vec<(String, Check, &'static str)>) -> ! {
+    let arguments = Arguments::from_args();
+    let (gpu, missing) = announced();
+    let executor = |gpu| WgpuExecutor::new(gpu).with_block(BLOCK).with_counts(true).with_stage_times(true);
+    let executor = Arc::new(gpu.map(executor));
+    let trials = checks.into_iter().map(|(name, check, generator)| {
+        let executor = executor.clone();
+        let trial = Trial::test(name, move || check(executor.as_ref().as_ref().map_err(Failed::from)?, generator));
+        trial.with_ignored_flag(missing)
+    });
+    libtest_mimic::run(&arguments, trials.collect()).exit()
 }
 
 impl Wgpu {

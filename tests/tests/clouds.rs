@@ -4,16 +4,19 @@
 use umbra4_core::{
     Bounds, Jitter, Lattice, Precision, Punctual,
     cloud::{Cloud, CloudError, MAX_CLOUD},
+    cloud_extent::CloudExtent,
+    cloud_pair::Pair,
     cloud_table::{CloudTable, TableSize},
     cloud_tiles::CloudTiles,
     exact::{Wide, far_side},
     glam::{DVec3, IVec3},
+    plane_cell::CellGrid,
     snap::LIMIT,
     stage::Stage,
 };
 use umbra4_cpu::{CpuExecutor, Isa};
 use umbra4_tests::{
-    clouds::{Case, KINDS, ball, beside_the_outermost, oracle, property, samples},
+    clouds::{Case, KINDS, ball, beside_the_outermost, by_lookups, oracle, property, samples, table_of},
     compare::{Amount, Compared, compare_masks, compare_visibility},
     ledger::say,
     meshes::{Mesh, icosphere},
@@ -95,6 +98,115 @@ fn every_bit_is_the_oracle_s() {
          differ; {fast} without certainty",
         total.bits, total.blocked
     ));
+}
+
+/// A table's masks are what the rule says, pair by pair: however pairs are found, by every instruction set and in both precisions.
+/// Where all samples lie in one place, they are exact.
+#[test]
+fn tables_are_their_rule() {
+    let executors = executors();
+    let (mut bits, mut blocked, mut partly, mut differing) = (0, 0, 0, 0);
+    for (name, _) in GENERATORS {
+        property(name, ROUNDS / 2, |case| {
+            let Case { what, kind, inputs, cloud, expected } = case;
+            let table = table_of(case);
+            let (points, samples) = (inputs.receivers.points(), cloud.samples().len() as u32);
+            let wanted = by_lookups(&table, points, &inputs.triangles());
+            let amount = if points.is_empty() { Amount::None } else { Amount::Some };
+            for executor in &executors {
+                let quick = CpuExecutor::new().with_isa(executor.isa()).with_precision(Precision::Fast);
+                for executor in [executor, &quick] {
+                    let what = format!("{what}, {:?}, {}", table.size(), executor.isa());
+                    let Inputs { occluders, receivers, .. } = inputs;
+                    let (masks, _) = executor.cloud_masks_by_table(occluders, &table, receivers).expect("it fits");
+                    compare_masks(&wanted, masks.words(), cloud.words() as u32, 32, amount)
+                        .unwrap_or_else(|error| panic!("{what}: {error}"));
+                    let lit = |mask: &[u64]| samples - mask.iter().map(|word| word.count_ones()).sum::<u32>();
+                    let lit: Vec<u32> = wanted.chunks(cloud.words()).map(lit).collect();
+                    let counts = executor.cloud_lit_counts_by_table(occluders, &table, receivers);
+                    assert_eq!(counts.expect("it fits").0, lit, "{what}");
+                    let found = executor.cloud_visibility_by_table(occluders, &table, receivers);
+                    compare_visibility(&lit, &found.expect("it fits").0, samples, amount)
+                        .unwrap_or_else(|error| panic!("{what}: {error}"));
+                }
+            }
+            let apart = |(a, b): (&u64, &u64)| (a ^ b).count_ones();
+            let apart: u32 = wanted.iter().zip(expected).map(apart).sum();
+            if KINDS[*kind] == "one place" {
+                assert_eq!(apart, 0, "{what}");
+            }
+            differing += u64::from(apart);
+            bits += u64::from(samples) * points.len() as u64;
+            for mask in wanted.chunks(cloud.words()) {
+                let of_one: u32 = mask.iter().map(|word| word.count_ones()).sum();
+                blocked += u64::from(of_one);
+                partly += u64::from(of_one > 0 && of_one < samples);
+            }
+        });
+    }
+    assert!(blocked > bits / 100 && blocked < bits / 2 && partly > 1000, "{blocked} of {bits}, {partly} in part");
+    assert!(differing > 0 && differing < bits / 8, "{differing} of {bits} differ from the exact ones");
+    say(&format!("tables: {bits} bits, {blocked} blocked, 0 differ from their rule; {differing} from exact masks"));
+}
+
+/// Planes lie in the cells that long floats put them in, unless those see them at an edge.
+#[test]
+fn planes_lie_in_their_cells() {
+    let mut rng = Rng::named(0, "cells of planes");
+    let (mut cut, mut all, mut none) = (0, 0, 0);
+    for round in 0..40_000 {
+        let reach = rng.pick(&[60, 1000, 1 << 20, LIMIT - 1]);
+        let spread = 1 + (reach >> (1 + rng.below(11)));
+        let center = rng.point(reach - spread);
+        let samples: Vec<IVec3> = (0..1 + rng.below(3)).map(|_| center + rng.point(spread)).collect();
+        let cells = TableSize { directions: 1 + rng.below(1024) as u32, distances: 1 + rng.below(4096) as u32 };
+        let (extent, corners) = (CloudExtent::of(&samples), [rng.point(reach), rng.point(reach), rng.point(reach)]);
+        let pair = Pair { receiver: rng.point(reach), corners, flipped: rng.one_in(2), cuts: 0b1111 };
+        let (p, [a, b, c]) = (pair.receiver, corners);
+        let normals = [(a - p, b - a), (b - p, c - b), (c - p, a - c), (b - a, c - a)];
+        for (k, (e, f)) in normals.into_iter().enumerate() {
+            let what = format!("case {round}, plane {k} of {pair:?}, {samples:?}, {cells:?}");
+            let side = if pair.flipped { -1.0 } else { 1.0 };
+            let n = e.as_dvec3().cross(f.as_dvec3()) * side;
+            let to_middle = (extent.middle() - if k < 3 { p } else { a }).as_dvec3();
+            let away = n.dot(to_middle);
+            let doubt = 1.0e-14 * e.as_dvec3().length() * f.as_dvec3().length() * to_middle.length();
+            if k < 3 && n.length() * spread.max(1) as f64 * 1.0e-4 < doubt || n.length() == 0.0 {
+                continue;
+            }
+            let [low, high] = extent.bounds();
+            let half = (high - extent.middle()).max(extent.middle() - low).as_dvec3();
+            let radius = f64::from(extent.radius()).max(1.0);
+            let within = (n.length() * radius).min(n.abs().dot(half));
+            let found = CellGrid::new(&extent, cells).cell(&pair, k);
+            // Components, the radius and half extents have 15 bits.
+            let slack = n.length() * radius * 3.0e-4 + doubt;
+            match found.slot {
+                -1 => assert!(away >= within - slack, "{what}: {away} of {within}"),
+                slot if slot == cells.distances as i32 => {
+                    assert!(-away >= within - slack, "{what}: {away} of {within}")
+                }
+                slot => {
+                    assert!(away.abs() <= within + slack, "{what}: {away} of {within}");
+                    let along = (0.5 - 0.5 * away / (n.length() * radius)) * f64::from(cells.distances);
+                    let off = 1.0e-3 * f64::from(cells.distances) + 1.0e-3;
+                    let slot = f64::from(slot);
+                    assert!(along > slot - off && along < slot + 1.0 + off, "{what}: {along}, not in {slot}");
+                    let u = n / (n.x.abs() + n.y.abs() + n.z.abs());
+                    let folded = |at: f64, other: f64| if u.z >= 0.0 { at } else { (1.0 - other.abs()).copysign(at) };
+                    let place =
+                        [folded(u.y, u.x), folded(u.x, u.y)].map(|at| (0.5 * at + 0.5) * f64::from(cells.directions));
+                    let cell = [found.direction / cells.directions, found.direction % cells.directions].map(f64::from);
+                    let is_in = |k: usize| place[k] > cell[k] - 0.05 && place[k] < cell[k] + 1.05;
+                    assert!(is_in(0) && is_in(1), "{what}: {place:?}, not in {cell:?}");
+                    cut += 1;
+                }
+            }
+            all += usize::from(found.slot == -1);
+            none += usize::from(found.slot == cells.distances as i32);
+        }
+    }
+    assert!(cut > 5000 && all > 5000 && none > 5000, "{cut} cut, {all} hold all, {none} none");
 }
 
 /// Planes that pass just inside, through and beyond the outermost sample of a large light, whose extent no float holds.
@@ -195,6 +307,11 @@ fn a_ball_s_shadow() {
     assert_eq!(plan.reason(Stage::ResolveCloud), (true, "receivers to shadow"));
     assert_eq!(plan.reason(Stage::Resolve), (false, "the light is a cloud of samples"));
     assert!(plan.reason(Stage::OrderTriangles).0 && !plan.reason(Stage::Reduce).0);
+    let size = TableSize { directions: 4, distances: 4 };
+    let room = vec![0; CloudTable::words_of(&cloud, size).expect("a size")];
+    let table = CloudTable::new(&cloud, size, room).expect("the room is that of the table");
+    let plan = CpuExecutor::new().cloud_plan_by_table(&occluders, &table, &receivers, true);
+    assert_eq!(plan.reason(Stage::ResolveCloud), (true, "receivers to shadow, by a table of planes"));
     let arranged = occluders.arranged();
     let (again, statistics) = CpuExecutor::new().cloud_masks(&arranged, &cloud, &receivers).expect("it fits");
     assert_eq!(masks, again);

@@ -1,33 +1,29 @@
 //! Clouds of samples on a GPU, against the oracle, bit by bit. `UMBRA4_GPU` says which adapter must be there, see
 //! [`umbra4_tests::gpu::required`].
 
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::Failed;
 use umbra4_core::{
     Facing, Precision, Punctual,
     cloud::{Cloud, MAX_CLOUD},
+    cloud_table::{CloudTable, TableSize},
     glam::IVec3,
 };
 use umbra4_cpu::{CpuExecutor, Occluders};
 use umbra4_tests::{
-    clouds::{Case, ball, beside_the_outermost, oracle, property, samples},
+    clouds::{Case, KINDS, ball, beside_the_outermost, by_lookups, oracle, property, samples, table_of},
     compare::{Amount, compare_masks, compare_visibility},
     facings,
-    gpu::{announced, scene},
+    gpu::{Check, run, scene},
     ledger::say,
     meshes::{Mesh, icosphere},
     rng::Rng,
     scene::{Inputs, Scene},
     scenes::{GENERATORS, SampleGrid},
 };
-use umbra4_wgpu::{Gpu, GpuError, LatticeReceivers, LatticeScene, Loading, WgpuExecutor};
+use umbra4_wgpu::{GpuError, LatticeReceivers, LatticeScene, Loading, WgpuExecutor};
 
 /// Scenes of each generator.
 const ROUNDS: usize = 2;
-/// Fewer receivers than most scenes have, so that blocks are tested as well.
-const BLOCK: u32 = 96;
-
-type Check = fn(&WgpuExecutor, &str) -> Result<(), Failed>;
-
 /// What all ways to ask find, compared with the oracle's masks. Returns the signs decided in integers.
 fn check(executor: &WgpuExecutor, inputs: &Inputs, cloud: &Cloud<&[IVec3]>, expected: &[u64]) -> Result<u64, String> {
     let (scene, points, samples) = (scene(inputs), inputs.receivers.points(), cloud.samples().len() as u32);
@@ -64,6 +60,106 @@ fn oracle_s(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
     say(&format!(
         "clouds on a GPU, {name}: {bits} bits, {blocked} blocked, {fallbacks} signs decided in integers, 0 differ"
     ));
+    Ok(())
+}
+
+/// Tables: the bits of the rule, pair by pair, and of the processor, of receivers that face some way too. Where all samples lie in
+/// one place, masks are the oracle's.
+fn by_table(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
+    let (mut bits, mut blocked, mut differing, mut failed) = (0, 0, 0, None);
+    let mut rng = Rng::named(1, &format!("tables, facing {name}"));
+    property(name, ROUNDS, |case| {
+        let wanted = match check_table(executor, case, &mut rng) {
+            Ok(wanted) => wanted,
+            Err(error) => {
+                failed = failed.take().or(Some(format!("{}: {error}", case.what)));
+                return;
+            }
+        };
+        let apart = |(a, b): (&u64, &u64)| u64::from((a ^ b).count_ones());
+        differing += wanted.iter().zip(&case.expected).map(apart).sum::<u64>();
+        bits += (case.cloud.samples().len() * case.inputs.receivers.len()) as u64;
+        blocked += wanted.iter().map(|word| u64::from(word.count_ones())).sum::<u64>();
+    });
+    if let Some(error) = failed {
+        return Err(error.into());
+    }
+    assert!(blocked > 0 && blocked < bits && differing < bits / 4, "{blocked} of {bits}, {differing} not exact");
+    say(&format!("tables on a GPU, {name}: {bits} bits, {blocked} blocked, 0 differ; {differing} from exact masks"));
+    Ok(())
+}
+
+/// Returns the masks of the rule.
+fn check_table(executor: &WgpuExecutor, case: &Case<'_>, rng: &mut Rng) -> Result<Vec<u64>, String> {
+    let Case { kind, inputs, cloud, expected, .. } = case;
+    let (table, points, samples) = (table_of(case), inputs.receivers.points(), cloud.samples().len() as u32);
+    let wanted = by_lookups(&table, points, &inputs.triangles());
+    if KINDS[*kind] == "one place" && wanted != *expected {
+        return Err("the rule is not exact".into());
+    }
+    let amount = if points.is_empty() { Amount::None } else { Amount::Some };
+    let (lamp, width) = (scene(inputs), cloud.words());
+    let quick = WgpuExecutor::new(executor.gpu().clone()).with_precision(Precision::Fast);
+    for executor in [executor, &quick] {
+        let (masks, _) = executor.cloud_masks_by_table(&lamp, &table, points).map_err(|error| error.to_string())?;
+        compare_masks(&wanted, &masks, width as u32, 32, amount).map_err(|error| error.to_string())?;
+    }
+    let lit = |mask: &[u64]| samples - mask.iter().map(|word| word.count_ones()).sum::<u32>();
+    let lit: Vec<u32> = wanted.chunks(width).map(lit).collect();
+    let (found, statistics) =
+        executor.cloud_visibility_by_table(&lamp, &table, points).map_err(|error| error.to_string())?;
+    compare_visibility(&lit, &found, samples, amount).map_err(|error| error.to_string())?;
+    let done = statistics.counts.ok_or("counts were asked for")?;
+    if done.pairs_tested < done.pairs_kept || done.pairs_kept < done.pairs_relevant {
+        return Err(format!("{done:?}"));
+    }
+    let normals = facings::normals(rng, inputs, cloud.samples());
+    let receivers = inputs.receivers.clone().facing(&normals).map_err(|error| error.to_string())?;
+    let given = LatticeReceivers { points, facings: receivers.facings() };
+    let (masks, _) = executor.cloud_masks_by_table(&lamp, &table, given).map_err(|error| error.to_string())?;
+    let cpu = CpuExecutor::new().cloud_masks_by_table(&inputs.occluders, &table, &receivers);
+    let same = masks == cpu.map_err(|error| error.to_string())?.0.words();
+    if same { Ok(wanted) } else { Err("receivers that face some way".into()) }
+}
+
+/// A scene as they are, of a few levels, by tables of two sizes: the processor's bits, and as close to the exact ones.
+fn a_ball_s_shadow_by_table(executor: &WgpuExecutor, _: &str) -> Result<(), Failed> {
+    let (occluders, receivers, cloud) = ball(3, 24);
+    let lamp = LatticeScene { vertices: occluders.vertices(), triangles: occluders.triangles() };
+    let (exact, _) = executor.cloud_masks(&lamp, &cloud, receivers.points())?;
+    let bits = (cloud.samples().len() * receivers.len()) as f64;
+    for (directions, distances, most) in [(8, 8, 0.06), (32, 32, 0.016)] {
+        let size = TableSize { directions, distances };
+        let table = CloudTable::new(&cloud, size, vec![0; CloudTable::words_of(&cloud, size)?])?;
+        let (masks, statistics) = executor.cloud_masks_by_table(&lamp, &table, receivers.points())?;
+        let (expected, _) = CpuExecutor::new().cloud_masks_by_table(&occluders, &table, &receivers)?;
+        assert_eq!(masks, expected.words());
+        let apart: u32 = exact.iter().zip(&masks).map(|(a, b)| (a ^ b).count_ones()).sum();
+        assert!(apart > 0 && f64::from(apart) / bits < most, "{apart} of {bits} by {size:?}");
+        let ran: Vec<&str> = statistics.stages.iter().map(|(stage, _)| stage.info().name).collect();
+        assert!(ran.is_empty() || ran.contains(&"resolve_cloud") && !ran.contains(&"resolve"), "{ran:?}");
+        let raw = WgpuExecutor::new(executor.gpu().clone()).with_loading(Loading::Passthrough);
+        if let Ok(raw) = raw {
+            assert_eq!(raw.cloud_masks_by_table(&lamp, &table, receivers.points())?.0, expected.words());
+        }
+    }
+    Ok(())
+}
+
+/// A table that is larger than what the device can bind.
+fn large_tables_are_refused(executor: &WgpuExecutor, _: &str) -> Result<(), Failed> {
+    let limit = executor.gpu().device.limits().max_storage_buffer_binding_size;
+    let (occluders, receivers, cloud) = ball(2, 4);
+    let lamp = LatticeScene { vertices: occluders.vertices(), triangles: occluders.triangles() };
+    let fits = |side: &u32| u64::from(side * side) * 256 * cloud.words() as u64 * 4 <= limit;
+    let Some(directions) = (1..=256).find(|side| !fits(side)) else {
+        say(&format!("tables: none that is tried is larger than the {limit} bytes that the device can bind"));
+        return Ok(());
+    };
+    let size = TableSize { directions, distances: 256 };
+    let table = CloudTable::new(&cloud, size, vec![0; CloudTable::words_of(&cloud, size)?])?;
+    let refused = executor.cloud_lit_counts_by_table(&lamp, &table, receivers.points());
+    assert!(matches!(refused, Err(GpuError::TooLarge { what: "table of planes", .. })), "{refused:?}");
     Ok(())
 }
 
@@ -225,10 +321,8 @@ fn nothing_to_do(executor: &WgpuExecutor, _: &str) -> Result<(), Failed> {
 }
 
 fn main() {
-    let arguments = Arguments::from_args();
-    let (gpu, missing) = announced();
     let first = GENERATORS[0].0;
-    let checks: [(&str, Check); 7] = [
+    let checks: [(&str, Check); 9] = [
         ("facing", facing),
         ("fast", fast),
         ("outermost", outermost),
@@ -236,17 +330,13 @@ fn main() {
         ("a_ball_s_shadow", a_ball_s_shadow),
         ("all_in_doubt", all_in_doubt),
         ("nothing_to_do", nothing_to_do),
+        ("a_ball_s_shadow_by_table", a_ball_s_shadow_by_table),
+        ("large_tables_are_refused", large_tables_are_refused),
     ];
     let mut checks: Vec<(String, Check, &str)> = checks.map(|(name, check)| (name.to_owned(), check, first)).to_vec();
     for (name, _) in GENERATORS {
         checks.push((format!("oracle::{name}"), oracle_s, name));
+        checks.push((format!("by_table::{name}"), by_table, name));
     }
-    let executor = |gpu: Gpu| WgpuExecutor::new(gpu).with_block(BLOCK).with_counts(true).with_stage_times(true);
-    let executor = std::sync::Arc::new(gpu.map(executor));
-    let trials = checks.into_iter().map(|(name, check, generator)| {
-        let executor = executor.clone();
-        let trial = Trial::test(name, move || check(executor.as_ref().as_ref().map_err(Failed::from)?, generator));
-        trial.with_ignored_flag(missing)
-    });
-    libtest_mimic::run(&arguments, trials.collect()).exit();
+    run(checks);
 }

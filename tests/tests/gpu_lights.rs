@@ -1,28 +1,24 @@
 //! Lights without extent, emissions and receivers that face some way on a GPU, against the oracle. `UMBRA4_GPU` says which adapter must be there, see
 //! [`umbra4_tests::gpu::required`].
 
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::Failed;
 use umbra4_core::{Facing, LatticeLight, Punctual, emission::Emission, glam::IVec3};
 use umbra4_cpu::CpuExecutor;
 use umbra4_tests::{
     facings,
-    gpu::{announced, scene},
+    gpu::{Check, run, scene},
     hard_shadows::property,
     ledger::say,
     rng::Rng,
     scenes::{EXPONENTS, GENERATORS, SampleGrid},
     weights::{expected, weights},
 };
-use umbra4_wgpu::{Gpu, GpuError, LatticeReceivers, LatticeScene, WgpuExecutor};
+use umbra4_wgpu::{GpuError, LatticeReceivers, LatticeScene, WgpuExecutor};
 
 /// Scenes of each generator.
 const ROUNDS: usize = 3;
-/// Fewer receivers than most scenes have, so that blocks are tested as well.
-const BLOCK: u32 = 96;
 /// One of each way to store rows, and of the ends of each.
 const GRIDS: [(u32, u32); 6] = [(16, 16), (5, 31), (64, 64), (1, 1), (33, 17), (7, 33)];
-
-type Check = fn(&WgpuExecutor, &str) -> Result<(), Failed>;
 
 fn hard_shadows(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
     let compared = property(name, ROUNDS, |inputs, light| {
@@ -116,20 +112,11 @@ fn refusals(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
 }
 
 fn main() {
-    let arguments = Arguments::from_args();
-    let (gpu, missing) = announced();
     let mut checks: Vec<(String, Check, &str)> = vec![("refusals".to_owned(), refusals, GENERATORS[0].0)];
     for (name, _) in GENERATORS {
         checks.push((format!("hard_shadows::{name}"), hard_shadows, name));
         checks.push((format!("emission::{name}"), emission, name));
         checks.push((format!("facing::{name}"), facing, name));
     }
-    let executor = |gpu: Gpu| WgpuExecutor::new(gpu).with_block(BLOCK).with_counts(true).with_stage_times(true);
-    let executor = std::sync::Arc::new(gpu.map(executor));
-    let trials = checks.into_iter().map(|(name, check, generator)| {
-        let executor = executor.clone();
-        let trial = Trial::test(name, move || check(executor.as_ref().as_ref().map_err(Failed::from)?, generator));
-        trial.with_ignored_flag(missing)
-    });
-    libtest_mimic::run(&arguments, trials.collect()).exit();
+    run(checks);
 }

@@ -68,5 +68,11 @@ fn plans_say_why() {
         assert_eq!(reason(punctual, stage), (false, "the light has no extent: a mask is one bit"));
     }
     assert!(reason(punctual, Stage::ResolvePunctual).0 && reason(punctual, Stage::OrderTriangles).0);
+    let cloud = SceneFacts { index: IndexKind::Shafts, ..facts };
+    assert_eq!(reason(cloud, Stage::ResolveCloud), (true, "receivers to shadow"));
+    let table = SceneFacts { table: true, ..cloud };
+    assert_eq!(reason(table, Stage::ResolveCloud), (true, "receivers to shadow, by a table of planes"));
+    assert!(Plan::new(table).to_string().contains("+ resolve_cloud    receivers to shadow, by a table of planes\n"));
+    assert_eq!(reason(SceneFacts { triangles: 0, ..table }, Stage::ResolveCloud), (false, "no triangles"));
     assert_eq!(reason(SceneFacts { arranged: true, ..facts }, Stage::OrderTriangles), (false, "the mesh is arranged"));
 }

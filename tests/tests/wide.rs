@@ -78,6 +78,14 @@ proptest! {
         prop_assert_eq!(<i128 as WideInt>::product(m, n), i128::from(m) * i128::from(n));
         prop_assert_eq!(x.sign(), wrap(a).signum() as i32);
         prop_assert_eq!(x == y, wrap(a) == wrap(b));
+        let down = m.rem_euclid(96 + 31) - 31;
+        let magnitude = wrap(a).unsigned_abs();
+        let bits = (0..96).rev().find(|k| magnitude >> k & 1 == 1).map_or(0, |k| k + 1);
+        prop_assert_eq!((x.bits(), WideInt::bits(wrap(a))), (bits, bits));
+        // By a division, or a product, that cannot overflow.
+        let shifted = if down < 0 { magnitude * (1 << -down) } else { magnitude / (1 << down) };
+        let shifted = u32::try_from(shifted).unwrap_or(u32::MAX);
+        prop_assert_eq!((x.shifted(down), wrap(a).shifted(down)), (shifted, shifted), "{}", down);
         prop_assert_eq!(value(Limbs::ZERO), 0);
     }
 

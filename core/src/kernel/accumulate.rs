@@ -1,7 +1,7 @@
 //! Kernel `accumulate`: lit counts are added to those of earlier frames, and the sums become an image of visibility.
 
 use crate::{
-    kernel::{fetch, store},
+    kernel::{fetch, pack, store},
     params::Params,
     ratio,
 };
@@ -11,10 +11,7 @@ use crate::{
 #[inline(always)]
 pub fn accumulate(id: usize, params: &Params, lit: &[u32], sums: &mut [u32], image: &mut [u32]) {
     let pass = params.pass();
-    if id >= pass.count as usize || pass.pitch == 0 || pass.texels == 0 {
-        return;
-    }
-    let (y, column) = (id as u32 / pass.pitch, id as u32 % pass.pitch);
+    let Some([y, column]) = pack::place(id, &pass) else { return };
     let bits = 32 / pass.texels;
     let (mut word, mut k) = (0, 0);
     while k < pass.texels {

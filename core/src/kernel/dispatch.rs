@@ -34,6 +34,8 @@ pub enum Role {
     Nodes,
     /// Samples of a cloud.
     Samples,
+    /// A table of planes before it.
+    Planes,
     /// Lattice positions of receivers.
     Receivers,
     /// Which way all receivers face: words of [`crate::facing::Facing`].
@@ -121,8 +123,10 @@ const SUM_LEVELS: usize = 6;
 const RESOLVE: [Role; 7] =
     [Role::Receivers, Role::ReceiverKeys, Role::ReceiverOrder, Role::Occluders, Role::Nodes, Role::Masks, Role::Counts];
 
-const RESOLVE_CLOUD: [Role; 7] =
-    [Role::Receivers, Role::ReceiverOrder, Role::Occluders, Role::Nodes, Role::Samples, Role::Masks, Role::Counts];
+/// What tells the samples that a pair blocks is read from `elements`.
+const fn resolve_cloud(elements: Role) -> [Role; 7] {
+    [Role::Receivers, Role::ReceiverOrder, Role::Occluders, Role::Nodes, elements, Role::Masks, Role::Counts]
+}
 
 /// What a light is, as kernels tell lights apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -199,7 +203,12 @@ pub fn dispatches<E>(
         }
         Stage::OrderReceivers => sort(pass.count, Role::ReceiverOrder, &mut one),
         Stage::Resolve | Stage::ResolvePunctual | Stage::ResolveCloud => {
-            let roles = match if kind == Kind::Cloud { &RESOLVE_CLOUD } else { &RESOLVE } {
+            let all = match kind {
+                Kind::Cloud if facts.table => resolve_cloud(Role::Planes),
+                Kind::Cloud => resolve_cloud(Role::Samples),
+                _ => RESOLVE,
+            };
+            let roles = match &all {
                 all if layout.counted => &all[..],
                 [but_counts @ .., _] => but_counts,
             };

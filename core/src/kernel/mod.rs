@@ -23,6 +23,7 @@ pub mod probe;
 pub mod reduce;
 pub mod resolve;
 pub mod resolve_cloud;
+pub mod resolve_cloud_by_table;
 pub mod resolve_punctual;
 pub mod settle_receivers;
 pub mod snap_receivers;

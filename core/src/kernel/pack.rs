@@ -3,17 +3,23 @@
 
 use crate::{
     kernel::{fetch, store},
-    params::Params,
+    params::{Params, PassParams},
 };
+
+/// Row and column of word `id` of an image; `None` beyond its end.
+#[inline(always)]
+pub(super) fn place(id: usize, pass: &PassParams) -> Option<[u32; 2]> {
+    if id >= pass.count as usize || pass.pitch == 0 || pass.texels == 0 {
+        return None;
+    }
+    Some([id as u32 / pass.pitch, id as u32 % pass.pitch])
+}
 
 /// Word `id` of the image, rows one after the other; a row takes `pitch` words.
 #[inline(always)]
 pub fn pack(id: usize, params: &Params, lit: &[u32], table: &[u32], image: &mut [u32]) {
     let pass = params.pass();
-    if id >= pass.count as usize || pass.pitch == 0 || pass.texels == 0 {
-        return;
-    }
-    let (y, column) = (id as u32 / pass.pitch, id as u32 % pass.pitch);
+    let Some([y, column]) = place(id, &pass) else { return };
     let bits = 32 / pass.texels;
     let (mut word, mut k) = (0, 0);
     while k < pass.texels {

@@ -2,7 +2,7 @@
 //! whose samples emit `emission::WHOLE`. Divided in integers: the same bits everywhere.
 
 use crate::{
-    kernel::{fetch, store},
+    kernel::{fetch, pack, store},
     params::Params,
     ratio,
 };
@@ -27,10 +27,7 @@ pub fn channel_bits(sum: u32, whole: u32, texels: u32) -> u32 {
 #[inline(always)]
 pub fn pack_light(id: usize, params: &Params, light: &[[u32; 3]], image: &mut [u32]) {
     let pass = params.pass();
-    if id >= pass.count as usize || pass.pitch == 0 || pass.texels == 0 {
-        return;
-    }
-    let (y, column) = (id as u32 / pass.pitch, id as u32 % pass.pitch);
+    let Some([y, column]) = pack::place(id, &pass) else { return };
     let bits = 32 / pass.texels;
     let (mut word, mut k) = (0, 0);
     while k < pass.texels {

@@ -1,5 +1,7 @@
 //! Kernel `resolve`: the mask of one receiver.
 
+use glam::IVec3;
+
 use crate::{
     hierarchy::Root,
     jitter::Samples,
@@ -7,7 +9,7 @@ use crate::{
     mask_word::{MaskWord, PairWord},
     occluder::Occluder,
     order::Entry,
-    params::Params,
+    params::{Params, PassParams},
     precision::PrecisionMode,
     proj4::{KeyTile, Keys, NOTHING},
     row_mask::{MASK_ROWS, MaskRows, is_full},
@@ -99,12 +101,11 @@ pub fn resolve<W: DeviceWord, P: PrecisionMode, S: Samples>(
     }
     let (grid, levels) = (params.grid(), params.levels());
     let rows = grid.light.rows as usize;
-    let entry = fetch(order, id, Entry { code: Entry::ABSENT, index: 0 });
-    let index = entry.index as usize;
+    let Ordered { index, is_settled, point } = ordered(id, &pass, order, receivers);
     let mut group = Group::<W>::empty(grid.light.rows);
     let own = fetch(keys, index, NOTHING);
-    match point(receivers, pass.first as usize + index) {
-        Some(p) if entry.code != Entry::ABSENT => group.set(0, p, &own),
+    match point {
+        Some(p) if !is_settled => group.set(0, p, &own),
         _ => group.set_behind(0, &grid.light),
     }
     let halves = pass.stride < grid.light.rows;
@@ -125,10 +126,10 @@ pub fn resolve<W: DeviceWord, P: PrecisionMode, S: Samples>(
         store(masks, index * pass.stride as usize + k, W::stored(&group.masks[0], rows, k, halves));
         k += 1;
     }
-    if rounds_run(pass.rounds) < pass.rounds || k < pass.stride as usize {
-        let last = masks.len().wrapping_sub(1);
-        store(masks, last, STOPPED);
+    if k < pass.stride as usize {
+        tell_of_stop(masks);
     }
+    tell_if_stopped(&pass, masks);
     let c = group.counts;
     (index, [c.pairs_tested as u32, c.pairs_kept as u32, c.pairs_relevant as u32, c.fallbacks as u32])
 }
@@ -151,14 +152,41 @@ pub fn resolve_counted<W: DeviceWord, P: PrecisionMode, S: Samples>(
     add_counts(params.pass().base, index, own, counts);
 }
 
-/// Rounds that a loop of `rounds` rounds runs: fewer where a driver has stopped the thread.
+/// A receiver, by its place in the order of a block.
+#[derive(Clone, Copy)]
+pub(super) struct Ordered {
+    /// Its index in the block.
+    pub(super) index: usize,
+    /// Whether it came last in the order: no triangle matters to it.
+    pub(super) is_settled: bool,
+    /// Where it is, if it is there.
+    pub(super) point: Option<IVec3>,
+}
+
+/// The `id`-th receiver in the order of a block.
 #[inline(always)]
-pub(super) fn rounds_run(most: u32) -> u32 {
+pub(super) fn ordered(id: usize, pass: &PassParams, order: &[Entry], receivers: &[[i32; 3]]) -> Ordered {
+    let Entry { code, index } = fetch(order, id, Entry { code: Entry::ABSENT, index: 0 });
+    let index = index as usize;
+    Ordered { index, is_settled: code == Entry::ABSENT, point: point(receivers, pass.first as usize + index) }
+}
+
+/// Has the last word of `masks` say so if a driver has stopped the thread: a loop of `pass.rounds` rounds runs fewer then.
+#[inline(always)]
+pub(super) fn tell_if_stopped(pass: &PassParams, masks: &mut [u32]) {
     let mut rounds = 0;
-    while rounds < most {
+    while rounds < pass.rounds {
         rounds += 1;
     }
-    rounds
+    if rounds < pass.rounds {
+        tell_of_stop(masks);
+    }
+}
+
+#[inline(always)]
+fn tell_of_stop(masks: &mut [u32]) {
+    let last = masks.len().wrapping_sub(1);
+    store(masks, last, STOPPED);
 }
 
 /// Adds to the counts of a receiver; the first slice of triangles starts them.

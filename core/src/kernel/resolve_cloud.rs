@@ -8,8 +8,8 @@ use crate::{
     edge_plane::ReceiverTile,
     hierarchy::{Root, Walk},
     kernel::{
-        fetch, point,
-        resolve::{ReceiverCounts, STOPPED, add_counts, rounds_run},
+        fetch,
+        resolve::{Ordered, ReceiverCounts, add_counts, ordered, tell_if_stopped},
         store,
     },
     occluder::Occluder,
@@ -36,9 +36,22 @@ pub struct SampleTile {
     pub half: [f32; 3],
 }
 
+/// What tells which samples of a cloud a pair blocks, as elements of a buffer: the samples themselves, or words of a table.
+pub trait CloudElement: Copy {
+    /// Adds what a pair blocks to the mask that begins at `start`, and returns how many samples that are.
+    fn mark<P: PrecisionMode>(
+        pair: &Pair,
+        params: &CloudParams,
+        elements: &[Self],
+        start: usize,
+        masks: &mut [u32],
+        fallbacks: &mut Tally,
+    ) -> u32;
+}
+
 /// Bits of a mask's word that there are samples for: word `k` of a cloud of `samples` samples.
 #[inline(always)]
-fn full(samples: u32, k: u32) -> u32 {
+pub(super) fn full(samples: u32, k: u32) -> u32 {
     let first = k * 32;
     if first >= samples {
         0
@@ -50,30 +63,29 @@ fn full(samples: u32, k: u32) -> u32 {
 }
 
 /// The `id`-th receiver in the order of a block: what the triangles under one node of the hierarchy block is added to its mask.
-/// Those under the first of them start an empty one. `tiles` are the cloud's samples in the order of the mask's bits. `masks` has one more
+/// Those under the first of them start an empty one. `elements` are of the cloud, in the order of the mask's bits. `masks` has one more
 /// word, as in [`super::resolve::resolve`]. Receivers that are not there, or face away, see nothing. Returns the receiver's index, and what was done
 /// for it.
 ///
 /// No loop has more rounds than the light has samples, and few loops lie in one another: see [`super::resolve::resolve`].
 #[inline(always)]
-pub fn resolve_cloud<P: PrecisionMode>(
+pub fn resolve_cloud<P: PrecisionMode, E: CloudElement>(
     id: usize,
     params: &CloudParams,
     receivers: &[[i32; 3]],
     order: &[Entry],
     occluders: &[Occluder],
     nodes: &[BoxTile],
-    tiles: &[SampleTile],
+    elements: &[E],
     masks: &mut [u32],
 ) -> (usize, ReceiverCounts) {
     let pass = params.params.pass();
     if id >= pass.count as usize {
         return (usize::MAX, [0; 4]);
     }
-    let entry = fetch(order, id, Entry { code: Entry::ABSENT, index: 0 });
-    let index = entry.index as usize;
+    let Ordered { index, is_settled, point } = ordered(id, &pass, order, receivers);
     let (samples, start) = (params.samples(), index * pass.stride as usize);
-    let found = if entry.code == Entry::ABSENT { None } else { point(receivers, pass.first as usize + index) };
+    let found = if is_settled { None } else { point };
     let (mut lit, mut k) = (0, 0);
     while k < pass.stride {
         let (place, all) = (start + k as usize, full(samples, k));
@@ -117,7 +129,7 @@ pub fn resolve_cloud<P: PrecisionMode>(
                         flipped: occluder.is_mixed() && sides.negative != 0,
                         cuts: reach.cuts_of(0, occluder.is_mixed()),
                     };
-                    let blocked = mark::<P>(&pair, &extent, samples, tiles, start, masks, &mut fallbacks);
+                    let blocked = E::mark::<P>(&pair, params, elements, start, masks, &mut fallbacks);
                     counts[1] += 1;
                     counts[2] += (blocked > 0) as u32;
                     // Those that it blocks were lit.
@@ -126,49 +138,47 @@ pub fn resolve_cloud<P: PrecisionMode>(
             }
         }
     }
-    if rounds_run(pass.rounds) < pass.rounds {
-        let last = masks.len().wrapping_sub(1);
-        store(masks, last, STOPPED);
-    }
+    tell_if_stopped(&pass, masks);
     counts[3] = fallbacks as u32;
     (index, counts)
 }
 
-/// Adds what a pair blocks to the mask that begins at `start`, and returns how many samples that are.
-#[inline(always)]
-fn mark<P: PrecisionMode>(
-    pair: &Pair,
-    extent: &CloudExtent,
-    samples: u32,
-    tiles: &[SampleTile],
-    start: usize,
-    masks: &mut [u32],
-    fallbacks: &mut Tally,
-) -> u32 {
-    let planes = pair.planes::<f32, P, 4>(&extent.offsets());
-    let (mut found, mut tile) = (0, 0);
-    while tile * (NODE as u32) < samples && (tile as usize) < tiles.len() {
-        let (place, shift) = (start + tile as usize / 2, tile % 2 * NODE as u32);
-        let wanted = (full(samples, tile / 2) & !fetch(masks, place, u32::MAX)) >> shift & 0xffff;
-        if wanted != 0 {
-            let SampleTile { middle, half, .. } = &tiles[tile as usize];
-            let (middle, half) = ([middle[0], middle[1], middle[2]], [half[0], half[1], half[2]]);
-            let (surely, maybe) = planes.hold_box::<f32>(pair.cuts, &middle, &half);
-            let mut blocked = wanted;
-            if !surely {
-                blocked = 0;
-                if maybe {
-                    blocked = marked::<P>(pair, extent, &planes, tiles, tile as usize, wanted, fallbacks);
+impl CloudElement for SampleTile {
+    #[inline(always)]
+    fn mark<P: PrecisionMode>(
+        pair: &Pair,
+        params: &CloudParams,
+        tiles: &[Self],
+        start: usize,
+        masks: &mut [u32],
+        fallbacks: &mut Tally,
+    ) -> u32 {
+        let (samples, extent) = (params.samples(), params.extent());
+        let planes = pair.planes::<f32, P, 4>(&extent.offsets());
+        let (mut found, mut tile) = (0, 0);
+        while tile * (NODE as u32) < samples && (tile as usize) < tiles.len() {
+            let (place, shift) = (start + tile as usize / 2, tile % 2 * NODE as u32);
+            let wanted = (full(samples, tile / 2) & !fetch(masks, place, u32::MAX)) >> shift & 0xffff;
+            if wanted != 0 {
+                let Self { middle, half, .. } = &tiles[tile as usize];
+                let (middle, half) = ([middle[0], middle[1], middle[2]], [half[0], half[1], half[2]]);
+                let (surely, maybe) = planes.hold_box::<f32>(pair.cuts, &middle, &half);
+                let mut blocked = wanted;
+                if !surely {
+                    blocked = 0;
+                    if maybe {
+                        blocked = marked::<P>(pair, &extent, &planes, tiles, tile as usize, wanted, fallbacks);
+                    }
+                }
+                if blocked != 0 {
+                    found += blocked.count_ones();
+                    store(masks, place, fetch(masks, place, 0) | blocked << shift);
                 }
             }
-            if blocked != 0 {
-                found += blocked.count_ones();
-                store(masks, place, fetch(masks, place, 0) | blocked << shift);
-            }
+            tile += 1;
         }
-        tile += 1;
+        found
     }
-    found
 }
 
 /// Which of the samples in `wanted` of a tile a pair blocks.
@@ -209,17 +219,17 @@ fn sample(tiles: &[SampleTile], tile: usize, k: u32) -> IVec3 {
 
 /// As [`resolve_cloud`], and writes the counts.
 #[inline(always)]
-pub fn resolve_cloud_counted<P: PrecisionMode>(
+pub fn resolve_cloud_counted<P: PrecisionMode, E: CloudElement>(
     id: usize,
     params: &CloudParams,
     receivers: &[[i32; 3]],
     order: &[Entry],
     occluders: &[Occluder],
     nodes: &[BoxTile],
-    tiles: &[SampleTile],
+    elements: &[E],
     masks: &mut [u32],
     counts: &mut [ReceiverCounts],
 ) {
-    let (index, own) = resolve_cloud::<P>(id, params, receivers, order, occluders, nodes, tiles, masks);
+    let (index, own) = resolve_cloud::<P, E>(id, params, receivers, order, occluders, nodes, elements, masks);
     add_counts(params.params.pass().base, index, own, counts);
 }

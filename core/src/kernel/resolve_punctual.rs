@@ -3,8 +3,8 @@
 use crate::{
     hierarchy::Root,
     kernel::{
-        fetch, point,
-        resolve::{ReceiverCounts, STOPPED, add_counts, rounds_run},
+        fetch,
+        resolve::{Ordered, ReceiverCounts, add_counts, ordered, tell_if_stopped},
         store,
     },
     occluder::Occluder,
@@ -37,15 +37,14 @@ pub fn resolve_punctual<P: PrecisionMode>(
     if id >= pass.count as usize {
         return (usize::MAX, [0; 4]);
     }
-    let entry = fetch(order, id, Entry { code: Entry::ABSENT, index: 0 });
-    let index = entry.index as usize;
+    let Ordered { index, is_settled, point } = ordered(id, &pass, order, receivers);
     let place = pass.first as usize + index;
     let light = params.light();
-    let Some(p) = point(receivers, place) else {
+    let Some(p) = point else {
         store(masks, place, BLOCKED);
         return (place, [0; 4]);
     };
-    if entry.code == Entry::ABSENT {
+    if is_settled {
         if light.face_of(p).is_some() {
             return (usize::MAX, [0; 4]);
         }
@@ -61,10 +60,7 @@ pub fn resolve_punctual<P: PrecisionMode>(
     let root = Root { level: pass.level as usize, tile: pass.base };
     resolve_among::<f32, P>(light, &levels, root, nodes, occluders, &mut group);
     store(masks, place, group.shadowed & BLOCKED);
-    if rounds_run(pass.rounds) < pass.rounds {
-        let last = masks.len().wrapping_sub(1);
-        store(masks, last, STOPPED);
-    }
+    tell_if_stopped(&pass, masks);
     let c = group.counts;
     (place, [c.pairs_tested as u32, c.pairs_kept as u32, c.pairs_relevant as u32, c.fallbacks as u32])
 }

@@ -91,6 +91,10 @@ pub enum Kernel {
     ResolveCloudExactCounted,
     /// [`Kernel::ResolveCloudFast`], counted.
     ResolveCloudFastCounted,
+    /// [`super::resolve_cloud_by_table`].
+    ResolveCloudByTable,
+    /// The same, counted.
+    ResolveCloudByTableCounted,
     /// [`super::reduce`].
     Reduce,
     /// [`super::weigh`].
@@ -201,6 +205,8 @@ pub enum Slot {
     Boxes,
     /// The samples of a cloud: [`super::resolve_cloud::SampleTile`]s.
     Samples,
+    /// A table of planes: [`super::resolve_cloud_by_table::TableWord`]s.
+    Planes,
     /// Words of 32 bits, receiver-major.
     Masks,
     /// [`super::resolve::ReceiverCounts`].
@@ -303,11 +309,7 @@ const RESOLVE_COUNTED: &[Bound] = &[
     write(Slot::Counts),
 ];
 
-/// The same but the counts, which come last.
-const RESOLVE: &[Bound] = match RESOLVE_COUNTED {
-    [but_counts @ .., _] => but_counts,
-    [] => &[],
-};
+const RESOLVE: &[Bound] = but_counts(RESOLVE_COUNTED);
 
 const KEY_TRIANGLES: &[Bound] = &[read(Slot::Vertices), read(Slot::Triangles), write(Slot::Keys), write(Slot::Order)];
 
@@ -322,21 +324,32 @@ const ORDER_TRIANGLES: &[Bound] = &[
     write(Slot::Nodes),
 ];
 
-const RESOLVE_CLOUD_COUNTED: &[Bound] = &[
-    read(Slot::Receivers),
-    read(Slot::Order),
-    read(Slot::Occluders),
-    read(Slot::Boxes),
-    read(Slot::Samples),
-    write(Slot::Masks),
-    write(Slot::Counts),
-];
+/// What tells the samples that a pair blocks is read from `elements`.
+const fn resolve_cloud_counted(elements: Slot) -> [Bound; 7] {
+    [
+        read(Slot::Receivers),
+        read(Slot::Order),
+        read(Slot::Occluders),
+        read(Slot::Boxes),
+        read(elements),
+        write(Slot::Masks),
+        write(Slot::Counts),
+    ]
+}
 
-/// The same but the counts, which come last.
-const RESOLVE_CLOUD: &[Bound] = match RESOLVE_CLOUD_COUNTED {
-    [but_counts @ .., _] => but_counts,
-    [] => &[],
-};
+const RESOLVE_CLOUD_COUNTED: &[Bound] = &resolve_cloud_counted(Slot::Samples);
+const RESOLVE_CLOUD_BY_TABLE_COUNTED: &[Bound] = &resolve_cloud_counted(Slot::Planes);
+
+/// All but the counts, which come last.
+const fn but_counts(counted: &[Bound]) -> &[Bound] {
+    match counted {
+        [but_counts @ .., _] => but_counts,
+        [] => &[],
+    }
+}
+
+const RESOLVE_CLOUD: &[Bound] = but_counts(RESOLVE_CLOUD_COUNTED);
+const RESOLVE_CLOUD_BY_TABLE: &[Bound] = but_counts(RESOLVE_CLOUD_BY_TABLE_COUNTED);
 
 const fn line(kernel: Kernel, name: &'static str, stage: Stage, bound: &'static [Bound]) -> KernelInfo {
     KernelInfo { kernel, name, stage, params: ParamsKind::Light, bound }
@@ -388,7 +401,7 @@ const OWNED_DEPTHS: &[Bound] = &owned(texture(Slot::Depths), texture(Slot::Norma
 const OWNED_DEPTH_SAMPLES: &[Bound] = &owned(samples(Slot::Depths), samples(Slot::Normals), Access::IdSamples);
 
 /// All kernels.
-pub const TABLE: [KernelInfo; 66] = [
+pub const TABLE: [KernelInfo; 68] = [
     line(Kernel::KeyTriangles, "key_triangles", Stage::KeyTriangles, KEY_TRIANGLES),
     line(Kernel::KeyReceivers, "key_receivers", Stage::KeyReceivers, KEY_RECEIVERS),
     line(
@@ -476,6 +489,13 @@ pub const TABLE: [KernelInfo; 66] = [
     cloud(Kernel::ResolveCloudFast, "resolve_cloud_fast", Stage::ResolveCloud, RESOLVE_CLOUD),
     cloud(Kernel::ResolveCloudExactCounted, "resolve_cloud_exact_counted", Stage::ResolveCloud, RESOLVE_CLOUD_COUNTED),
     cloud(Kernel::ResolveCloudFastCounted, "resolve_cloud_fast_counted", Stage::ResolveCloud, RESOLVE_CLOUD_COUNTED),
+    cloud(Kernel::ResolveCloudByTable, "resolve_cloud_by_table", Stage::ResolveCloud, RESOLVE_CLOUD_BY_TABLE),
+    cloud(
+        Kernel::ResolveCloudByTableCounted,
+        "resolve_cloud_by_table_counted",
+        Stage::ResolveCloud,
+        RESOLVE_CLOUD_BY_TABLE_COUNTED,
+    ),
     line(Kernel::Reduce, "reduce", Stage::Reduce, &[read(Slot::Masks), write(Slot::LitCounts)]),
     line(Kernel::Weigh, "weigh", Stage::Reduce, &[read(Slot::Masks), read(Slot::Weights), write(Slot::WeighedLight)]),
     line(

@@ -1,7 +1,7 @@
 //! Pixels that face away from a light, in an engine's frame: dark, and no triangle is looked at for them.
 
 use umbra4_core::{
-    DirectionalLight, Facing, PointLight,
+    DirectionalLight, Facing, Lift, PointLight,
     gbuffer::{NormalEncoding, ViewParams, decode_normal},
     glam::{DVec3, IVec3, Vec3},
     kernel::{NOWHERE, face_pixels},
@@ -12,7 +12,7 @@ use umbra4_tests::{
     device::{buffer, read, read_layer, texture},
 };
 use umbra4_wgpu::{
-    Frame, Gpu, Image, Lamp, Light, Resolution, SoftShadows,
+    Frame, GBuffer, Gpu, Image, Lamp, Light, Resolution, SoftShadows, Surface,
     wgpu::{Buffer, BufferUsages, Texture, TextureFormat, TextureUsages},
 };
 
@@ -20,6 +20,7 @@ use crate::{
     emission::made,
     fixture::{Expected, SIZE, Wish, World, lattice, light},
     frames::{PIXELS, check_lattice, on_device, shadowed, snapped, submit, wish},
+    pixels::{draw, drawing, multisampled},
 };
 
 const COPIED: TextureUsages = TextureUsages::COPY_DST.union(TextureUsages::COPY_SRC);
@@ -125,6 +126,76 @@ fn check_layer(gpu: &Gpu, target: &Texture, layer: usize, lit: &[u32], samples: 
     let expected: Vec<u8> = lit.iter().flat_map(|lit| (*lit as f32 / samples as f32).to_le_bytes()).collect();
     assert!(lit.contains(&0) && lit.iter().any(|lit| *lit > 0));
     assert!(read_layer(gpu, target, layer as u32) == expected, "visibility of light {layer}");
+}
+
+const FACES: &str = "
+struct Out {
+    @location(0) position: vec4f,
+    @location(1) normal: vec4f,
+    @builtin(frag_depth) depth: f32,
+}
+
+@vertex
+fn everywhere(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {
+    return vec4f(f32(index & 1u) * 4.0 - 1.0, f32(index >> 1u) * 4.0 - 1.0, 0.0, 1.0);
+}
+
+@fragment
+fn faces(@builtin(position) place: vec4f, @builtin(sample_index) sample: u32) -> Out {
+    let pixel = vec2u(place.xy);
+    let turn = (pixel.x * 5u + pixel.y * 3u + sample * 7u) % 8u;
+    let normal = vec3f(f32(turn & 1u) - 0.25, f32(turn >> 1u & 1u) - 0.5, f32(turn >> 2u) - 0.75);
+    let height = f32(sample) * 0.25 + 0.25;
+    return Out(vec4f(f32(pixel.x) / 4.0 - 4.0, height, f32(pixel.y) / 2.0 - 2.5, 1.0), vec4f(normal, 0.0), height);
+}
+";
+
+/// Every sample of a pixel faces another way; the one that is named counts.
+pub fn samples_that_face_away_are_dark(gpu: &Gpu) {
+    let world = World::new(gpu, 45, wish(12));
+    let formats = [TextureFormat::Rgba16Float; 2];
+    let [positions, normals] = formats.map(|format| multisampled(gpu, format));
+    let pipeline = drawing(gpu, FACES, ["everywhere", "faces"], &formats, 4, false);
+    let depths = multisampled(gpu, TextureFormat::Depth32Float);
+    draw(gpu, &pipeline, None, &[&positions, &normals], &depths, 3);
+    let target = texture(gpu, [SIZE[0], SIZE[1], 3], TextureFormat::R32Float, COPIED);
+    let lights: Vec<Light<'_>> = (0..)
+        .zip(lamps().into_iter().take(3))
+        .map(|(layer, lamp)| Light {
+            only_facing: true,
+            visibility: Some(Image::Texture { texture: &target, layer }),
+            ..Light::new(lamp)
+        })
+        .collect();
+    let mut shadows = SoftShadows::new(&gpu.device).expect("the device can be used");
+    let (mut seen, mut darkened) = (Vec::new(), 0);
+    for sample in 0..4 {
+        submit(gpu, |encoder| {
+            let meshes = world.meshes();
+            let lift = Lift::f32_positions_off_by(1).expect("1 to 8 units");
+            let surface = Surface::Positions { view: &positions, lift };
+            let gbuffer = GBuffer { surface, normals: &normals, sample, ..world.gbuffer() };
+            let frame = Frame { gbuffer, ..world.frame(&meshes, &lights) };
+            shadows.record(encoder, &frame).expect("the frame is sound");
+        });
+        let normal = |k: u32| {
+            let turn = (k % SIZE[0] * 5 + k / SIZE[0] * 3 + sample * 7) % 8;
+            Vec3::new((turn & 1) as f32 - 0.25, (turn >> 1 & 1) as f32 - 0.5, (turn >> 2) as f32 - 0.75)
+        };
+        let normals: Vec<Vec3> = (0..PIXELS as u32).map(normal).collect();
+        let own: Vec<Facing> = normals.iter().map(|normal| Facing::of(*normal)).collect();
+        assert!(facings(gpu, &shadows) == own, "facings of sample {sample}");
+        assert!(!seen.contains(&own), "samples differ");
+        seen.push(own);
+        let got = on_device(gpu, &shadows);
+        assert!(got.receivers.iter().all(|p| *p != NOWHERE));
+        for (layer, lamp) in lamps().iter().take(3).enumerate() {
+            let lit = lit_on_cpu(&got, lamp, Some(&normals));
+            darkened += usize::from(lit != lit_on_cpu(&got, lamp, None));
+            check_layer(gpu, &target, layer, &lit, samples(lamp));
+        }
+    }
+    assert!(darkened > 6, "pixels of {darkened} samples face away from a light that would reach them");
 }
 
 /// A block faces where the pixel does that stands for it.

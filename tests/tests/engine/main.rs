@@ -20,7 +20,7 @@ use umbra4_wgpu::Gpu;
 
 type Check = fn(&Gpu);
 
-const CHECKS: [(&str, Check); 27] = [
+const CHECKS: [(&str, Check); 28] = [
     ("a_frame_is_exact", frames::a_frame_is_exact),
     ("what_cannot_be_used_is_counted", frames::what_cannot_be_used_is_counted),
     ("every_encoding_of_normals", frames::every_encoding_of_normals),
@@ -32,6 +32,7 @@ const CHECKS: [(&str, Check); 27] = [
     ("a_light_without_emission_pays_nothing", emission::a_light_without_emission_pays_nothing),
     ("emissions_at_half_resolution", emission::emissions_at_half_resolution),
     ("pixels_that_face_away_are_dark", facing::pixels_that_face_away_are_dark),
+    ("samples_that_face_away_are_dark", facing::samples_that_face_away_are_dark),
     ("blocks_face_where_their_pixel_does", facing::blocks_face_where_their_pixel_does),
     ("only_those_who_ask_pay_for_facings", facing::only_those_who_ask_pay_for_facings),
     ("encodings_of_facings", facing::encodings_of_facings),

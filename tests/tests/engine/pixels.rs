@@ -74,6 +74,21 @@ fn receivers(gpu: &Gpu, gbuffer: GBuffer<'_>, vertices: &[Vertices<'_>]) -> Expe
     on_device(gpu, &shadows)
 }
 
+/// A texture of four samples a pixel, to be drawn to and read.
+pub fn multisampled(gpu: &Gpu, format: TextureFormat) -> TextureView {
+    let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 4,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
+}
+
 const SAMPLES: &str = "
 struct Out {
     @location(0) position: vec4f,
@@ -97,19 +112,7 @@ fn samples(@builtin(position) place: vec4f, @builtin(sample_index) sample: u32) 
 
 /// Every sample of a pixel has a height of its own.
 pub fn one_sample_stands_for_a_pixel(gpu: &Gpu) {
-    let target = |format| -> TextureView {
-        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-            label: None,
-            size: wgpu::Extent3d { width: SIZE[0], height: SIZE[1], depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 4,
-            dimension: wgpu::TextureDimension::D2,
-            format,
-            usage: TextureUsages::RENDER_ATTACHMENT | TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
-        texture.create_view(&wgpu::TextureViewDescriptor::default())
-    };
+    let target = |format| multisampled(gpu, format);
     let formats = [TextureFormat::Rgba16Float, TextureFormat::Rgba8Unorm, TextureFormat::R16Uint];
     let [positions, normals, owners] = formats.map(target);
     let depths = target(TextureFormat::Depth32Float);
@@ -149,7 +152,7 @@ fn draw_samples(gpu: &Gpu, formats: &[TextureFormat; 3], colours: [&TextureView;
 }
 
 /// A pipeline that draws a strip; with a depth test, or over everything.
-fn drawing(
+pub fn drawing(
     gpu: &Gpu,
     code: &str,
     [vertex, fragment]: [&str; 2],
@@ -191,7 +194,7 @@ fn drawing(
     })
 }
 
-fn draw(
+pub fn draw(
     gpu: &Gpu,
     pipeline: &wgpu::RenderPipeline,
     group: Option<&wgpu::BindGroup>,
