@@ -90,6 +90,13 @@ modules! {
     DrawMap: "draw_map",
     BuildTiles: "build_tiles",
     BuildParents: "build_parents",
+    GatherRows32: "gather_rows_32",
+    GatherRows64: "gather_rows_64",
+    GatherTable32: "gather_table_32",
+    GatherTable64: "gather_table_64",
+    GatherRectangles32: "gather_rectangles_32",
+    GatherRectangles64: "gather_rectangles_64",
+    GatherAreas: "gather_areas",
 }
 
 /// The SPIR-V module of a kernel: one entry point, named as in its table.

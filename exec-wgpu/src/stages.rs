@@ -64,7 +64,12 @@ pub(crate) fn cloud_layout(words: u32, precision: Precision, counted: bool, slic
 
 /// Receivers of a block: at most `most`, and no more than the memory for masks holds.
 pub(crate) fn block(layout: &MaskLayout, most: u32) -> u32 {
-    most.min((MASK_BYTES / (4 * u64::from(layout.stride))) as u32)
+    receivers_of(layout.stride, most)
+}
+
+/// The same of masks of `stride` words of 32 bits.
+pub(crate) fn receivers_of(stride: u32, most: u32) -> u32 {
+    most.min((MASK_BYTES / (4 * u64::from(stride))) as u32)
 }
 
 /// Bits of the narrowest word that holds a row.

@@ -9,7 +9,7 @@ use umbra4_core::{
     jitter::Pattern,
     kernel::{ParamsKind, dispatch::Dispatch},
     order::{BoxCurve, CodeFrame},
-    params::{CloudParams, JitteredParams, Params, PunctualParams},
+    params::{CloudParams, JitteredParams, Params, PassParams, PunctualParams},
 };
 
 use crate::{
@@ -48,6 +48,15 @@ impl Told {
         Self::Cloud(CloudParams::new(cloud.extent(), cloud.len() as u32, &BoxCurve::through(bounds), levels))
     }
 
+    /// What kernels are told that take nothing but a light.
+    pub(crate) fn plain(&self, pass: &PassParams) -> Params {
+        match self {
+            Self::Area { params, .. } => params.with_pass(pass),
+            Self::Punctual(params) => params.params.with_pass(pass),
+            Self::Cloud(params) => params.params.with_pass(pass),
+        }
+    }
+
     /// Records a dispatch.
     pub(crate) fn record(
         &self,
@@ -56,11 +65,7 @@ impl Told {
         bound: &[Resource],
     ) -> Result<(), GpuError> {
         let Dispatch { kernel, pass, .. } = dispatch;
-        let plain = match self {
-            Self::Area { params, .. } => params.with_pass(pass),
-            Self::Punctual(params) => params.params.with_pass(pass),
-            Self::Cloud(params) => params.params.with_pass(pass),
-        };
+        let plain = self.plain(pass);
         match (self, kernel.info().params) {
             (Self::Punctual(params), ParamsKind::PunctualLight) => recorder.add(*kernel, params.with_pass(pass), bound),
             (Self::Cloud(params), ParamsKind::Cloud) => recorder.add(*kernel, params.with_pass(pass), bound),

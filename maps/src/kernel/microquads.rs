@@ -1,13 +1,22 @@
 //! Kernels of [`crate::microquad`]: draw the map, build its pyramid, gather.
 
 use umbra4_core::{
+    facing::Facing,
     glam::IVec3,
-    kernel::{fetch, point, store},
+    kernel::{
+        fetch, point,
+        resolve::{DeviceWord, STOPPED, rounds_run},
+        store,
+    },
+    light::MAX_SAMPLES,
 };
 
 use crate::{
     draw,
-    microquad::params::MicroquadParams,
+    microquad::{
+        gather::{ByArea, ByMask, Gathered, InMask, gather_facing},
+        params::MicroquadParams,
+    },
     pyramid::{self, Node},
 };
 
@@ -73,4 +82,100 @@ pub fn build_parents(id: usize, params: &MicroquadParams, nodes: &mut [Node]) {
         let index = pyramid::start(size, pass.number) as usize + id;
         store(nodes, index, pyramid::parent(nodes, size, pass.number, id as u32));
     }
+}
+
+/// Number of a pass of [`gather_masks`] or [`gather_areas`] that starts from what is there; others start from nothing.
+pub const ADD: u32 = 1;
+
+/// Rounds of the loop that asks whether loops still run.
+const ROUNDS: u32 = 2;
+
+/// Adds what blocks receiver `index`: all of it where there is no such receiver, or it faces away.
+#[inline(always)]
+fn gather_receiver<G: Gathered>(
+    index: usize,
+    params: &MicroquadParams,
+    receivers: &[[i32; 3]],
+    facings: &[u32],
+    map: &[u32],
+    nodes: &[Node],
+    table: &[u32],
+    out: &mut G,
+) {
+    match point(receivers, index) {
+        Some(p) => {
+            let facing = Facing::from_word(fetch(facings, index, Facing::UNKNOWN.word()));
+            gather_facing(params, map, nodes, table, p, facing, out);
+        }
+        None => out.fill(params),
+    }
+}
+
+/// Sets the last of `words` where a driver has stopped the thread: lavapipe does, see
+/// [`umbra4_core::kernel::resolve::resolve`].
+#[inline(always)]
+fn tell_if_stopped(is_done: bool, words: &mut [u32]) {
+    if rounds_run(ROUNDS) < ROUNDS || !is_done {
+        let last = words.len().wrapping_sub(1);
+        store(words, last, STOPPED);
+    }
+}
+
+/// The mask of receiver `first + id`, as far as the tiles of the pass go: starts from nothing, or, where the pass's number is
+/// [`ADD`], from the words that are there. They lie as [`umbra4_core::kernel::resolve`] has them; the last of `masks` belongs to none.
+/// `table` is read by [`crate::microquad::gather::Table`] only.
+#[inline(always)]
+pub fn gather_masks<W: DeviceWord, F: InMask<W>>(
+    id: usize,
+    params: &MicroquadParams,
+    receivers: &[[i32; 3]],
+    facings: &[u32],
+    map: &[u32],
+    nodes: &[Node],
+    table: &[u32],
+    masks: &mut [u32],
+) {
+    let pass = params.pass();
+    if id >= pass.count as usize {
+        return;
+    }
+    let (rows, stride) = (params.rows() as usize, pass.stride as usize);
+    let (halves, own) = (pass.stride < params.rows(), id * stride);
+    let (mut out, mut k) = (ByMask::<W, F>::of([W::EMPTY; MAX_SAMPLES as usize]), 0);
+    while pass.number == ADD && k < stride {
+        W::load(&mut out.mask, k, halves, fetch(masks, own + k, 0));
+        k += 1;
+    }
+    if k == 0 || !out.is_full(params) {
+        gather_receiver(pass.first as usize + id, params, receivers, facings, map, nodes, table, &mut out);
+        k = 0;
+        while k < stride {
+            store(masks, own + k, W::stored(&out.mask, rows, k, halves));
+            k += 1;
+        }
+    }
+    tell_if_stopped(k == stride, masks);
+}
+
+/// The same of the area that is occluded, in cells of samples: the bits of a float each.
+#[inline(always)]
+pub fn gather_areas(
+    id: usize,
+    params: &MicroquadParams,
+    receivers: &[[i32; 3]],
+    facings: &[u32],
+    map: &[u32],
+    nodes: &[Node],
+    areas: &mut [u32],
+) {
+    let pass = params.pass();
+    if id >= pass.count as usize {
+        return;
+    }
+    let mut out = ByArea(f32::from_bits(if pass.number == ADD { fetch(areas, id, 0) } else { 0 }));
+    if !out.is_full(params) {
+        gather_receiver(pass.first as usize + id, params, receivers, facings, map, nodes, map, &mut out);
+    }
+    store(areas, id, out.0.to_bits());
+    tell_if_stopped(true, areas);
 }

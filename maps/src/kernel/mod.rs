@@ -7,4 +7,4 @@
 pub mod microquads;
 mod table;
 
-pub use table::{BUILD_PYRAMID, DRAW_MAP, MapKernel, MapKernelInfo, MapParamsKind, MapSlot, TABLE};
+pub use table::{BUILD_PYRAMID, DRAW_MAP, GATHER, MapKernel, MapKernelInfo, MapParamsKind, MapSlot, TABLE};

@@ -14,6 +14,20 @@ pub enum MapKernel {
     BuildTiles,
     /// [`super::microquads::build_parents`].
     BuildParents,
+    /// [`super::microquads::gather_masks`], by exact rows, up to 32 columns.
+    GatherRows32,
+    /// The same, up to 64 columns.
+    GatherRows64,
+    /// By a table of half-spaces, up to 32 columns.
+    GatherTable32,
+    /// The same, up to 64 columns.
+    GatherTable64,
+    /// By rectangles, up to 32 columns.
+    GatherRectangles32,
+    /// The same, up to 64 columns.
+    GatherRectangles64,
+    /// [`super::microquads::gather_areas`].
+    GatherAreas,
 }
 
 /// What a kernel is told: the type of its binding 0.
@@ -45,6 +59,16 @@ pub enum MapSlot {
     Map,
     /// [`crate::pyramid::Node`]s of all levels.
     Nodes,
+    /// Lattice positions of receivers, i32 × 3.
+    Receivers,
+    /// [`umbra4_core::facing::Facing`]s of receivers, as words; of those beyond its end nothing is known.
+    Facings,
+    /// A table of half-spaces: [`crate::microquad::half_spaces`].
+    HalfSpaces,
+    /// Words of 32 bits, receiver-major; and one more, which says whether a thread was stopped.
+    Masks,
+    /// Areas that are occluded, one float a receiver; and one more word, the same.
+    Areas,
 }
 
 /// A line of the table. Stages are names: of the executors' times, too.
@@ -54,6 +78,8 @@ pub type MapKernelInfo = KernelInfo<MapKernel, &'static str, MapParamsKind, MapS
 pub const DRAW_MAP: &str = "draw_map";
 /// Stage: the map's pyramid is built.
 pub const BUILD_PYRAMID: &str = "build_pyramid";
+/// Stage: masks, or areas, are gathered from the map.
+pub const GATHER: &str = "gather";
 
 const fn read(slot: MapSlot) -> Bound<MapSlot> {
     Bound::read(slot)
@@ -62,6 +88,29 @@ const fn read(slot: MapSlot) -> Bound<MapSlot> {
 const fn write(slot: MapSlot) -> Bound<MapSlot> {
     Bound::write(slot)
 }
+
+const GATHER_BY_TABLE: &[Bound<MapSlot>] = &[
+    read(MapSlot::Receivers),
+    read(MapSlot::Facings),
+    read(MapSlot::Map),
+    read(MapSlot::Nodes),
+    write(MapSlot::Masks),
+    read(MapSlot::HalfSpaces),
+];
+
+/// The same but the table, which comes last.
+const GATHER_MASKS: &[Bound<MapSlot>] = match GATHER_BY_TABLE {
+    [but_table @ .., _] => but_table,
+    [] => &[],
+};
+
+const GATHER_AREAS: &[Bound<MapSlot>] = &[
+    read(MapSlot::Receivers),
+    read(MapSlot::Facings),
+    read(MapSlot::Map),
+    read(MapSlot::Nodes),
+    write(MapSlot::Areas),
+];
 
 const fn microquads(
     kernel: MapKernel,
@@ -73,7 +122,7 @@ const fn microquads(
 }
 
 /// All kernels.
-pub const TABLE: [MapKernelInfo; 3] = [
+pub const TABLE: [MapKernelInfo; 10] = [
     microquads(
         MapKernel::DrawMap,
         "draw_map",
@@ -82,6 +131,13 @@ pub const TABLE: [MapKernelInfo; 3] = [
     ),
     microquads(MapKernel::BuildTiles, "build_tiles", BUILD_PYRAMID, &[read(MapSlot::Map), write(MapSlot::Nodes)]),
     microquads(MapKernel::BuildParents, "build_parents", BUILD_PYRAMID, &[write(MapSlot::Nodes)]),
+    microquads(MapKernel::GatherRows32, "gather_rows_32", GATHER, GATHER_MASKS),
+    microquads(MapKernel::GatherRows64, "gather_rows_64", GATHER, GATHER_MASKS),
+    microquads(MapKernel::GatherTable32, "gather_table_32", GATHER, GATHER_BY_TABLE),
+    microquads(MapKernel::GatherTable64, "gather_table_64", GATHER, GATHER_BY_TABLE),
+    microquads(MapKernel::GatherRectangles32, "gather_rectangles_32", GATHER, GATHER_MASKS),
+    microquads(MapKernel::GatherRectangles64, "gather_rectangles_64", GATHER, GATHER_MASKS),
+    microquads(MapKernel::GatherAreas, "gather_areas", GATHER, GATHER_AREAS),
 ];
 
 impl MapKernel {

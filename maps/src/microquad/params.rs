@@ -28,7 +28,7 @@ pub struct MicroquadParams {
     pub(crate) grid: Vec4,
     /// An occluder's inverse depth exceeds the receiver's by this factor.
     pub(crate) bias: Vec4,
-    /// The light on the lattice: first sample and both steps.
+    /// The light on the lattice: first sample, with the way samples are jittered, and both steps.
     pub(crate) origin: IVec4,
     pub(crate) step_u: IVec4,
     pub(crate) step_v: IVec4,
@@ -70,6 +70,7 @@ impl Dispatched for MicroquadParams {
 
 /// Kinds of micro-occluders, as kernels are told.
 pub(crate) const PATCHES: u32 = 0;
+#[cfg(not(target_arch = "spirv"))]
 pub(crate) const QUADS: u32 = 1;
 pub(crate) const TRIS: u32 = 2;
 
@@ -112,7 +113,7 @@ impl MicroquadParams {
         self.counts.y
     }
 
-    /// The light, but for its jitter: what tells who is behind it.
+    /// The light: what tells who is behind it, and who faces away.
     #[inline(always)]
     pub fn lattice_light(&self) -> LatticeLight {
         let three = |v: IVec4| IVec3::new(v.x, v.y, v.z);
@@ -122,7 +123,7 @@ impl MicroquadParams {
             step_v: three(self.step_v),
             rows: self.counts.x,
             columns: self.counts.y,
-            jitter: Jitter::NONE,
+            jitter: Jitter::from_code(self.origin.w as u32),
         }
     }
 }
