@@ -3,7 +3,7 @@
 
 use libtest_mimic::{Arguments, Failed, Trial};
 use umbra4_core::{
-    Bounds, Jitter, LatticeLight, Lift, MaskWord,
+    Jitter, LatticeLight,
     glam::{IVec3, Vec3},
 };
 use umbra4_cpu::{
