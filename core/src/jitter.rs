@@ -66,13 +66,13 @@ impl Jitter {
 
     /// As kernels are told.
     #[inline(always)]
-    pub(crate) const fn code(self) -> u32 {
+    pub const fn code(self) -> u32 {
         self.0
     }
 
     /// From what kernels are told.
     #[inline(always)]
-    pub(crate) const fn from_code(code: u32) -> Self {
+    pub const fn from_code(code: u32) -> Self {
         Self(code)
     }
 

@@ -50,6 +50,16 @@ pub enum ExecutorError {
         /// Words of a receiver's mask: a row each, or of a cloud 32 samples.
         rows: u32,
     },
+    /// Masks to add to are those of other receivers, or of another light.
+    #[error("masks are {words} words, not those of {receivers} receivers with {rows} rows")]
+    MaskCount {
+        /// Words given.
+        words: usize,
+        /// Receivers.
+        receivers: usize,
+        /// Rows of the light.
+        rows: u32,
+    },
     /// The grid cannot have so many cells.
     #[error("grid {field} is {value}, outside 1..={}", umbra4_core::grid::MAX_CELLS)]
     GridCells {

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 use umbra4_core::{LatticeError, LightError, PunctualLightError};
+use umbra4_maps::microquad::MicroquadError;
 use wgpu::{Device, ErrorFilter};
 
 /// Why the GPU does not answer, or a call is refused.
@@ -117,6 +118,28 @@ pub enum GpuError {
         emission: [u32; 2],
         /// Rows and columns of the light.
         light: [u32; 2],
+    },
+    /// Options of microquad soft shadow mapping are refused.
+    #[error(transparent)]
+    Microquads(#[from] MicroquadError),
+    /// The technique gives visibility alone.
+    #[error("a stochastic soft shadow map has no masks: ask for visibility")]
+    NoMasks,
+    /// The technique has no kernels.
+    #[error("{technique} is made on processors only")]
+    NotOnDevices {
+        /// Which.
+        technique: &'static str,
+    },
+    /// Masks to add to are those of other receivers, or of another light.
+    #[error("masks are {words} words, not those of {receivers} receivers with {rows} rows")]
+    MaskCount {
+        /// Words given.
+        words: usize,
+        /// Receivers.
+        receivers: usize,
+        /// Rows of the light.
+        rows: u32,
     },
     /// Either all receivers face some way, or it is known of none.
     #[error("facings of {facings} receivers, for {receivers}")]

@@ -5,9 +5,11 @@
 
 mod checks;
 mod clouds;
+mod device_kernel;
 mod error;
 mod executor;
 mod frame;
+mod from_maps;
 mod gpu;
 mod host;
 mod image;
@@ -21,15 +23,18 @@ mod scratch;
 mod shadows;
 mod stages;
 mod statistics;
+mod submit;
 mod timing;
 mod told;
 
+pub use device_kernel::DeviceKernel;
 pub use error::{GpuError, guarded};
 pub use executor::WgpuExecutor;
 pub use frame::{
     Emitted, Frame, GBuffer, History, Image, Indices, Instances, Lamp, Light, LightImage, Mesh, Resolution, Surface,
     Vertices,
 };
+pub use from_maps::ShadowMap;
 pub use gpu::{AdapterReport, Choice, Gpu, adapters};
 pub use image::VisibilityFormat;
 pub use modules::{code, manifest};
@@ -38,4 +43,5 @@ pub use scene::{LatticeReceivers, LatticeScene};
 pub use shadows::{Snapped, SoftShadows};
 pub use statistics::Statistics;
 pub use umbra4_core::{Precision, kernel::status::Status};
+pub use umbra4_maps as maps;
 pub use wgpu;

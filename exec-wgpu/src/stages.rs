@@ -70,7 +70,12 @@ pub(crate) fn table_layout(words: u32, counted: bool, slice: u32) -> MaskLayout 
 
 /// Receivers of a block: at most `most`, and no more than the memory for masks holds.
 pub(crate) fn block(layout: &MaskLayout, most: u32) -> u32 {
-    most.min((MASK_BYTES / (4 * u64::from(layout.stride))) as u32)
+    receivers_of(layout.stride, most)
+}
+
+/// The same of masks of `stride` words of 32 bits.
+pub(crate) fn receivers_of(stride: u32, most: u32) -> u32 {
+    most.min((MASK_BYTES / (4 * u64::from(stride))) as u32)
 }
 
 /// Bits of the narrowest word that holds a row.
@@ -289,7 +294,7 @@ impl<E: Ends> Executor for Stages<'_, E> {
 
     fn dispatch(&mut self, pass: &Pass) -> Result<(), GpuError> {
         let Self { plan, layout, told, recorder, buffers, ends } = self;
-        recorder.set_stage(pass.stage);
+        recorder.set_stage(pass.stage.info().name);
         match pass.stage {
             Stage::SnapVertices => ends.snap_vertices(recorder, buffers)?,
             Stage::SnapReceivers => ends.snap_receivers(recorder, buffers, pass.first, pass.count)?,

@@ -10,7 +10,7 @@ use umbra4_core::{
     jitter::Pattern,
     kernel::{ParamsKind, dispatch::Dispatch},
     order::{BoxCurve, CodeFrame},
-    params::{CloudParams, JitteredParams, Params, PunctualParams},
+    params::{CloudParams, JitteredParams, Params, PassParams, PunctualParams},
 };
 
 use crate::{
@@ -50,6 +50,15 @@ impl Told {
         Self::Cloud(table.map_or(params, |size| params.with_table(size)))
     }
 
+    /// What kernels are told that take nothing but a light.
+    pub(crate) fn plain(&self, pass: &PassParams) -> Params {
+        match self {
+            Self::Area { params, .. } => params.with_pass(pass),
+            Self::Punctual(params) => params.params.with_pass(pass),
+            Self::Cloud(params) => params.params.with_pass(pass),
+        }
+    }
+
     /// Records a dispatch.
     pub(crate) fn record(
         &self,
@@ -58,11 +67,7 @@ impl Told {
         bound: &[Resource],
     ) -> Result<(), GpuError> {
         let Dispatch { kernel, pass, .. } = dispatch;
-        let plain = match self {
-            Self::Area { params, .. } => params.with_pass(pass),
-            Self::Punctual(params) => params.params.with_pass(pass),
-            Self::Cloud(params) => params.params.with_pass(pass),
-        };
+        let plain = self.plain(pass);
         match (self, kernel.info().params) {
             (Self::Punctual(params), ParamsKind::PunctualLight) => recorder.add(*kernel, params.with_pass(pass), bound),
             (Self::Cloud(params), ParamsKind::Cloud) => recorder.add(*kernel, params.with_pass(pass), bound),

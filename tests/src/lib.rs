@@ -11,6 +11,7 @@
 //! | [`hard_cases`] | the named cases, each with what must hold beyond equality with the oracle |
 //! | [`hard_shadows`], [`weights`], [`clouds`] | lights without extent; emissions; clouds of samples |
 //! | [`facings`] | receivers that face some way |
+//! | [`spheres`] | a scene and options for the approximate family |
 //! | [`gpu`], [`device`] | the executor on a GPU, for the suite; an engine's buffers and textures |
 //! | [`alone`] | one kernel alone, on a device and on the host |
 //! | [`suite`], [`ledger`] | one suite, instantiated per word width and executor, and its totals |
@@ -32,6 +33,7 @@ pub mod rng;
 pub mod scene;
 pub mod scenes;
 pub mod second_oracle;
+pub mod spheres;
 pub mod suite;
 pub mod weights;
 

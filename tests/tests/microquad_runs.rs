@@ -2,7 +2,7 @@
 //! it is from the exact masks.
 
 use umbra4_core::{
-    AreaLight, Bounds, Jitter, Lattice, LatticeLight, Lift, MaskWord, PairWord,
+    Bounds, Jitter, Lattice, LatticeLight, Lift, MaskWord, PairWord,
     glam::{DVec3, IVec3, Vec3},
 };
 use umbra4_cpu::{
@@ -10,53 +10,14 @@ use umbra4_cpu::{
     maps::{
         Technique,
         kernel::microquads::{ROWS, build_parents, build_tiles, draw_map},
-        microquad::{Footprint, HalfSpaces, MapOptions, MicroOccluders, MicroquadError, MicroquadOptions},
+        microquad::{Footprint, HalfSpaces, MicroOccluders, MicroquadError, MicroquadOptions, params::MapPass},
         pyramid::{self, Node},
     },
 };
-use umbra4_tests::meshes::{Mesh, cuboid, icosphere};
-
-/// A scene under a lamp of 1 × 1, three units above a floor.
-struct Lit {
-    occluders: Occluders,
-    receivers: Receivers,
-    lattice: Lattice,
-}
-
-/// Spheres between the lamp and the floor, as in figure 7 of the paper; the floor is drawn, too.
-fn spheres(count: usize, receivers: usize) -> Lit {
-    let lattice = Lattice::covering(Bounds { min: DVec3::splat(-8.0), max: DVec3::splat(8.0) }).expect("a world");
-    let unit = 1.0 / lattice.step();
-    let mut mesh = Mesh { vertices: vec![], triangles: vec![] };
-    let side = (count as f64).cbrt().ceil() as usize;
-    for k in 0..count {
-        let place = |k: usize| (k % side) as f64 - (side - 1) as f64 / 2.0;
-        let center = DVec3::new(place(k) * 0.5, 0.9 + place(k / side / side) * 0.35, place(k / side) * 0.5);
-        mesh.add(&icosphere((center * unit).round().as_ivec3(), 3, |_| 0.16 * unit));
-    }
-    let floor = [[-3.0, -3.0], [-3.0, 3.0], [3.0, 3.0], [3.0, -3.0]];
-    mesh.add_quad(floor.map(|[x, z]| (DVec3::new(x, 0.0, z) * unit).round().as_ivec3()));
-    let vertices: Vec<DVec3> = mesh.vertices.iter().map(|v| lattice.to_world(*v)).collect();
-    let at = |k: usize| (k as f32 + 0.5) / receivers as f32 * 4.0 - 2.0;
-    let points: Vec<Vec3> =
-        (0..receivers * receivers).map(|k| Vec3::new(at(k % receivers), 0.0, at(k / receivers))).collect();
-    let normals = vec![Vec3::Y; points.len()];
-    Lit {
-        occluders: Occluders::from_f64(&lattice, &vertices, &mesh.triangles).expect("vertices are inside"),
-        receivers: Receivers::on_surfaces(&lattice, &points, &normals, Lift::F32_POSITIONS).expect("as well"),
-        lattice,
-    }
-}
-
-fn lamp(lit: &Lit, rows: u32, columns: u32, jitter: Jitter) -> LatticeLight {
-    // X × Z = −Y: it shines down.
-    let lamp = AreaLight::new(DVec3::new(-0.5, 3.0, -0.5), DVec3::X, DVec3::Z, rows, columns).expect("a lamp");
-    lamp.with_jitter(jitter).snap(&lit.lattice, Lift::NONE).expect("it is coarse enough")
-}
-
-fn options(size: u32, occluders: MicroOccluders, footprint: Footprint) -> MicroquadOptions {
-    MicroquadOptions { map: MapOptions { size, ..MapOptions::default() }, occluders, footprint }
-}
+use umbra4_tests::{
+    meshes::cuboid,
+    spheres::{Lit, lamp, options, spheres},
+};
 
 /// Mean absolute difference.
 fn error(a: &[f32], b: &[f32]) -> f64 {
@@ -68,9 +29,9 @@ fn error(a: &[f32], b: &[f32]) -> f64 {
 /// The claims of section 4 on errors, against exact masks instead of the paper's reference.
 #[test]
 fn hulls_are_nearer_to_the_exact_shadows_than_rectangles_and_microtris_nearest() {
-    for count in [3, 27] {
+    for (count, grid) in [(3, 8), (3, 16), (3, 32), (27, 8), (27, 16), (27, 32)] {
         let lit = spheres(count, 64);
-        let light = lamp(&lit, 32, 32, Jitter::NONE);
+        let light = lamp(&lit, grid, grid, Jitter::NONE);
         let executor = CpuExecutor::new();
         let (exact, _) = executor.visibility(&lit.occluders, &light, &lit.receivers).expect("it runs");
         let of = |size, occluders, footprint| {
@@ -87,7 +48,7 @@ fn hulls_are_nearer_to_the_exact_shadows_than_rectangles_and_microtris_nearest()
             let tris = of(size, MicroOccluders::Microtris, Footprint::Rows);
             let table = of(size, MicroOccluders::Microtris, Footprint::Table(fine));
             println!(
-                "{count} spheres, map {size}: patches {patches:.5}, areas {areas:.5}, rectangles {rectangles:.5}, \
+                "{count} spheres, {grid}² samples, map {size}: patches {patches:.5}, areas {areas:.5}, rectangles {rectangles:.5}, \
                  quads {quads:.5} ({:+.0} %), tris {tris:.5} ({:+.0} %), tris by table {table:.5}",
                 (quads / rectangles - 1.0) * 100.0,
                 (tris / rectangles - 1.0) * 100.0
@@ -118,18 +79,19 @@ fn kernels_draw_and_build_what_the_executor_does() {
         let vertices: Vec<[i32; 3]> = lit.occluders.vertices().iter().map(|v| v.to_array()).collect();
         let triangles = lit.occluders.triangles();
         let parts = size.div_ceil(ROWS);
-        let params = map.params().with_pass(triangles.len() as u32 * parts, u32::MAX, parts);
+        let pass = MapPass { count: triangles.len() as u32 * parts, number: parts, ..MapPass::default() };
+        let params = map.params().with_pass(&pass);
         let mut drawn = vec![0; texels.len()];
-        for id in 0..params.count() + 3 {
-            draw_map(id, &params, &vertices, triangles, |index, word| drawn[index] = word.max(drawn[index]));
+        for id in 0..pass.count as usize + 3 {
+            draw_map(id, &params, &vertices, triangles, &mut drawn, |texel, word| *texel = word.max(*texel));
         }
         assert_eq!(drawn, texels);
 
         let mut built = vec![Node::default(); nodes.len()];
         for level in 0..pyramid::levels(size) {
             let count = pyramid::start(size, level + 1) - pyramid::start(size, level);
-            let params = map.params().with_pass(count, u32::MAX, level);
-            for id in 0..count + 3 {
+            let params = map.params().with_pass(&MapPass { count, number: level, ..MapPass::default() });
+            for id in 0..count as usize + 3 {
                 match level {
                     0 => build_tiles(id, &params, texels, &mut built),
                     _ => build_parents(id, &params, &mut built),
@@ -252,6 +214,27 @@ fn surfaces_do_not_shadow_themselves() {
             assert!(done.expect("it runs").0.iter().all(|v| *v == expected), "{height}");
         }
     }
+}
+
+/// Exact masks, and approximate ones of the same scene added to them.
+#[test]
+fn masks_are_added_to_masks() {
+    let lit = spheres(8, 16);
+    let light = lamp(&lit, 13, 16, Jitter::NONE);
+    let (executor, options) = (CpuExecutor::new(), MicroquadOptions::default());
+    let exact = executor.masks::<u16>(&lit.occluders, &light, &lit.receivers).expect("it runs").0;
+    let alone = executor.microquad_masks::<u16>(&options, &lit.occluders, &light, &lit.receivers);
+    let alone = alone.expect("it runs").0;
+    let mut sum = exact.clone();
+    executor.add_microquad_masks(&options, &lit.occluders, &light, &lit.receivers, &mut sum).expect("it runs");
+    let both: Vec<u16> = exact.words().iter().zip(alone.words()).map(|(a, b)| a | b).collect();
+    assert_eq!(sum.words(), both);
+    assert!(sum.words() != exact.words() && sum.words() != alone.words(), "each has bits that the other has not");
+    let few = Receivers::raw(&lit.lattice, &[Vec3::ZERO]).expect("it is inside");
+    let refused = executor.add_microquad_masks(&options, &lit.occluders, &light, &few, &mut sum);
+    let error = ExecutorError::MaskCount { words: 13 * 256, receivers: 1, rows: 13 };
+    assert_eq!(refused.map(|_| ()), Err(error));
+    assert_eq!(sum.words(), both);
 }
 
 /// As in the exact system: whoever is known to look away from the light sees none of it.

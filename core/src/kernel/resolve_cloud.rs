@@ -138,7 +138,7 @@ pub fn resolve_cloud<P: PrecisionMode, E: CloudElement>(
             }
         }
     }
-    tell_if_stopped(&pass, masks);
+    tell_if_stopped(pass.rounds, true, masks);
     counts[3] = fallbacks as u32;
     (index, counts)
 }

@@ -60,7 +60,7 @@ pub fn resolve_punctual<P: PrecisionMode>(
     let root = Root { level: pass.level as usize, tile: pass.base };
     resolve_among::<f32, P>(light, &levels, root, nodes, occluders, &mut group);
     store(masks, place, group.shadowed & BLOCKED);
-    tell_if_stopped(&pass, masks);
+    tell_if_stopped(pass.rounds, true, masks);
     let c = group.counts;
     (place, [c.pairs_tested as u32, c.pairs_kept as u32, c.pairs_relevant as u32, c.fallbacks as u32])
 }

@@ -8,13 +8,15 @@ use std::{
 use rayon::prelude::*;
 use umbra4_core::{LatticeLight, MaskWord, glam::IVec3, light::MAX_SAMPLES, stage::reduce};
 use umbra4_maps::{
-    draw,
+    draw::set_up,
+    kernel::{BUILD_PYRAMID, DRAW_MAP, GATHER},
     microquad::{
-        Footprint, MicroquadError, MicroquadOptions,
+        DrawnMap, Footprint, MicroquadError, MicroquadOptions,
         fit::{self, LightAxes, Tangents},
-        gather::{ByArea, ByRectangles, ByRows, ByTable, Gathered, gather, visibility},
+        gather::{ByArea, ByMask, Gathered, InMask, Rectangles, Rows, Table, gather_facing, visibility},
         half_spaces::{self, TableWord},
         params::MicroquadParams,
+        rows::Mask,
     },
     pyramid::{self, Node},
 };
@@ -24,76 +26,42 @@ use crate::{CpuExecutor, ExecutorError, Masks, Occluders, Receivers, Statistics}
 /// Triangles, or receivers, that are worth a job.
 const PART: usize = 1 << 8;
 
-/// A light's shadow map, with what is made of it: its pyramid, and the table of half-spaces where one is used.
-#[derive(Clone, Debug)]
-pub struct ShadowMap {
-    params: MicroquadParams,
-    footprint: Footprint,
-    texels: Vec<u32>,
-    nodes: Vec<Node>,
-    table: Vec<u32>,
-    beyond: u64,
+/// A light's shadow map, as it was drawn.
+pub type ShadowMap = DrawnMap<Vec<u32>, Vec<Node>>;
+
+/// Draws the map and builds what goes with it. `statistics` get the time of each stage.
+fn draw(
+    options: &MicroquadOptions,
+    occluders: &Occluders,
+    light: &LatticeLight,
+    receivers: &Receivers,
+    statistics: &mut Statistics,
+) -> ShadowMap {
+    let start = Instant::now();
+    let (params, beyond) = fitted(options, occluders, light, receivers);
+    statistics.add_seconds("fit_map", start.elapsed().as_secs_f64());
+
+    let start = Instant::now();
+    let texels = drawn(&params, occluders);
+    statistics.add_seconds(DRAW_MAP, start.elapsed().as_secs_f64());
+
+    let start = Instant::now();
+    let nodes = pyramid_of(&texels, params.frame().size());
+    statistics.add_seconds(BUILD_PYRAMID, start.elapsed().as_secs_f64());
+
+    let start = Instant::now();
+    let table = table(options, light);
+    if !table.is_empty() {
+        statistics.add_seconds("build_table", start.elapsed().as_secs_f64());
+    }
+    ShadowMap::new(params, texels, nodes, table, beyond)
 }
 
-impl ShadowMap {
-    /// Texels along each edge.
-    pub fn size(&self) -> u32 {
-        self.params.frame().size()
-    }
-
-    /// Inverse depths, row by row, in units of the inverse near distance: 1 at the near distance, 0 where nothing was drawn.
-    pub fn inverse_depths(&self) -> impl Iterator<Item = f32> {
-        self.texels.iter().map(|word| f32::from_bits(*word))
-    }
-
-    /// Receivers before the light that lie beyond [`umbra4_maps::microquad::MapOptions::widest`]: the map does not show what stands before
-    /// them.
-    pub fn receivers_beyond(&self) -> u64 {
-        self.beyond
-    }
-
-    /// What kernels are told.
-    pub fn params(&self) -> &MicroquadParams {
-        &self.params
-    }
-
-    /// The texels' words, the pyramid, and the table: what kernels read.
-    pub fn buffers(&self) -> (&[u32], &[Node], &[u32]) {
-        (&self.texels, &self.nodes, &self.table)
-    }
-
-    /// Draws the map and builds what goes with it. `statistics` get the time of each stage.
-    fn new(
-        options: &MicroquadOptions,
-        occluders: &Occluders,
-        light: &LatticeLight,
-        receivers: &Receivers,
-        statistics: &mut Statistics,
-    ) -> Self {
-        let start = Instant::now();
-        let params = fitted(options, occluders, light, receivers);
-        let (params, beyond) = params;
-        statistics.add_seconds("fit_map", start.elapsed().as_secs_f64());
-
-        let start = Instant::now();
-        let texels = drawn(&params, occluders);
-        statistics.add_seconds("draw_map", start.elapsed().as_secs_f64());
-
-        let start = Instant::now();
-        let nodes = pyramid_of(&texels, params.frame().size());
-        statistics.add_seconds("build_pyramid", start.elapsed().as_secs_f64());
-
-        let start = Instant::now();
-        let table = table(options, light);
-        if !table.is_empty() {
-            statistics.add_seconds("build_table", start.elapsed().as_secs_f64());
-        }
-        Self { params, footprint: options.footprint, texels, nodes, table, beyond }
-    }
-
-    fn gather<G: Gathered>(&self, p: IVec3, out: &mut G) {
-        gather(&self.params, &self.texels, &self.nodes, &self.table, p, out);
-    }
+/// Adds what blocks a receiver, or, where it faces away, everything.
+fn add<G: Gathered>(map: &ShadowMap, receivers: &Receivers, index: usize, out: &mut G) {
+    let (texels, nodes, table) = map.buffers();
+    let (p, facing) = (receivers.points()[index], receivers.facing_of(index));
+    gather_facing(map.params(), texels, nodes, table, p, facing, out);
 }
 
 fn fitted(
@@ -120,7 +88,7 @@ fn drawn(params: &MicroquadParams, occluders: &Occluders) -> Vec<u32> {
     let a = params.arithmetic();
     (0..occluders.triangles().len()).into_par_iter().with_min_len(PART).for_each(|id| {
         let Some(corners) = occluders.corners(id) else { return };
-        let drawing = draw::set_up(a, params.frame(), corners);
+        let drawing = set_up(a, params.frame(), corners);
         for y in drawing.rows[0]..drawing.rows[1] {
             for x in drawing.columns[0]..drawing.columns[1] {
                 let word = drawing.texel(a, x, y);
@@ -177,7 +145,7 @@ impl CpuExecutor {
     ) -> Result<(ShadowMap, Statistics), ExecutorError> {
         options.check(light)?;
         let mut statistics = Statistics::default();
-        let map = self.install(|| ShadowMap::new(options, occluders, light, receivers, &mut statistics));
+        let map = self.install(|| draw(options, occluders, light, receivers, &mut statistics));
         Ok((map, statistics))
     }
 
@@ -211,29 +179,48 @@ impl CpuExecutor {
         light: &LatticeLight,
         receivers: &Receivers,
     ) -> Result<(Masks<W>, Statistics), ExecutorError> {
+        let rows = light.rows as usize;
+        let too_many = || ExecutorError::TooManyWords { receivers: receivers.len(), rows: light.rows };
+        let count = receivers.len().checked_mul(rows).ok_or_else(too_many)?;
+        let words = bytemuck::allocation::try_zeroed_vec::<W>(count).map_err(|()| too_many())?;
+        let mut masks = Masks { rows, words };
+        let statistics = self.add_microquad_masks(options, occluders, light, receivers, &mut masks)?;
+        Ok((masks, statistics))
+    }
+
+    /// Adds the bits of [`CpuExecutor::microquad_masks`] to masks that are there: those of the exact system for other occluders, for example.
+    ///
+    /// # Errors
+    /// Those of [`CpuExecutor::microquad_masks`]; masks of other receivers, or of another light.
+    pub fn add_microquad_masks<W: TableWord>(
+        &self,
+        options: &MicroquadOptions,
+        occluders: &Occluders,
+        light: &LatticeLight,
+        receivers: &Receivers,
+        masks: &mut Masks<W>,
+    ) -> Result<Statistics, ExecutorError> {
         if light.columns > W::BITS {
             return Err(ExecutorError::WordTooNarrow { columns: light.columns, bits: W::BITS });
         }
         if options.footprint == Footprint::Area {
             return Err(MicroquadError::NoMasks.into());
         }
-        let rows = light.rows as usize;
-        let too_many = || ExecutorError::TooManyWords { receivers: receivers.len(), rows: light.rows };
-        let count = receivers.len().checked_mul(rows).ok_or_else(too_many)?;
-        let mut words = bytemuck::allocation::try_zeroed_vec::<W>(count).map_err(|()| too_many())?;
+        let (rows, words) = (light.rows as usize, masks.words.len());
+        if masks.rows != rows || words != receivers.len() * rows {
+            return Err(ExecutorError::MaskCount { words, receivers: receivers.len(), rows: light.rows });
+        }
         let (map, mut statistics) = self.shadow_map(options, occluders, light, receivers)?;
         let start = Instant::now();
         self.install(|| {
-            words.par_chunks_exact_mut(rows).enumerate().with_min_len(PART).for_each(|(index, out)| {
-                if receivers.facing_of(index).is_away_from(light, receivers.points()[index]) {
-                    out.fill(W::below(light.columns));
-                } else {
-                    out.copy_from_slice(&map.mask::<W>(receivers.points()[index])[..rows]);
-                }
+            masks.words.par_chunks_exact_mut(rows).enumerate().with_min_len(PART).for_each(|(index, own)| {
+                let mut mask = [W::EMPTY; MAX_SAMPLES as usize];
+                mask[..rows].copy_from_slice(own);
+                own.copy_from_slice(&masked(options.footprint, &map, receivers, index, mask)[..rows]);
             });
         });
-        statistics.add_seconds("gather", start.elapsed().as_secs_f64());
-        Ok((Masks { rows, words }, statistics))
+        statistics.add_seconds(GATHER, start.elapsed().as_secs_f64());
+        Ok(statistics)
     }
 
     /// The approximate fraction of the light that every receiver sees, from micro-occluders: of its samples, or, by
@@ -250,20 +237,19 @@ impl CpuExecutor {
     ) -> Result<(Vec<f32>, Statistics), ExecutorError> {
         let (map, mut statistics) = self.shadow_map(options, occluders, light, receivers)?;
         let start = Instant::now();
-        let seen = |(index, p): (usize, &IVec3)| match light.columns {
-            _ if receivers.facing_of(index).is_away_from(light, *p) => 0.0,
-            _ if options.footprint == Footprint::Area => {
+        let footprint = options.footprint;
+        let seen = |index: usize| match light.columns {
+            _ if footprint == Footprint::Area => {
                 let mut area = ByArea::default();
-                map.gather(*p, &mut area);
-                visibility(map.params.arithmetic(), &map.params, area.0)
+                add(&map, receivers, index, &mut area);
+                visibility(map.params().arithmetic(), map.params(), area.0)
             }
-            0..=16 => lit::<u16>(light, &map.mask(*p)),
-            17..=32 => lit::<u32>(light, &map.mask(*p)),
-            _ => lit::<u64>(light, &map.mask(*p)),
+            0..=16 => lit::<u16>(light, &masked(footprint, &map, receivers, index, [0; MAX_SAMPLES as usize])),
+            17..=32 => lit::<u32>(light, &masked(footprint, &map, receivers, index, [0; MAX_SAMPLES as usize])),
+            _ => lit::<u64>(light, &masked(footprint, &map, receivers, index, [0; MAX_SAMPLES as usize])),
         };
-        let visibility =
-            self.install(|| receivers.points().par_iter().enumerate().with_min_len(PART).map(seen).collect());
-        statistics.add_seconds("gather", start.elapsed().as_secs_f64());
+        let visibility = self.install(|| (0..receivers.len()).into_par_iter().with_min_len(PART).map(seen).collect());
+        statistics.add_seconds(GATHER, start.elapsed().as_secs_f64());
         Ok((visibility, statistics))
     }
 
@@ -276,32 +262,28 @@ impl CpuExecutor {
     }
 }
 
-impl ShadowMap {
-    /// The mask of a receiver.
-    fn mask<W: TableWord>(&self, p: IVec3) -> [W; MAX_SAMPLES as usize] {
-        let empty = [W::EMPTY; MAX_SAMPLES as usize];
-        match self.footprint {
-            Footprint::Rows => {
-                let mut mask = ByRows(empty);
-                self.gather(p, &mut mask);
-                mask.0
-            }
-            Footprint::Table(_) => {
-                let mut mask = ByTable(empty);
-                self.gather(p, &mut mask);
-                mask.0
-            }
-            // Areas have none, and are not asked.
-            Footprint::Rectangles | Footprint::Area => {
-                let mut mask = ByRectangles(empty);
-                self.gather(p, &mut mask);
-                mask.0
-            }
-        }
+/// A receiver's mask, with what is in it already.
+fn masked<W: TableWord>(
+    footprint: Footprint,
+    map: &ShadowMap,
+    receivers: &Receivers,
+    index: usize,
+    mask: Mask<W>,
+) -> Mask<W> {
+    fn with<W: MaskWord, F: InMask<W>>(map: &ShadowMap, receivers: &Receivers, index: usize, mask: Mask<W>) -> Mask<W> {
+        let mut out = ByMask::<W, F>::of(mask);
+        add(map, receivers, index, &mut out);
+        out.mask
+    }
+    match footprint {
+        Footprint::Rows => with::<W, Rows>(map, receivers, index, mask),
+        Footprint::Table(_) => with::<W, Table>(map, receivers, index, mask),
+        // Areas have none, and are not asked.
+        Footprint::Rectangles | Footprint::Area => with::<W, Rectangles>(map, receivers, index, mask),
     }
 }
 
-fn lit<W: MaskWord>(light: &LatticeLight, mask: &[W; MAX_SAMPLES as usize]) -> f32 {
+fn lit<W: MaskWord>(light: &LatticeLight, mask: &Mask<W>) -> f32 {
     let lit = reduce::lit_count(&mask[..light.rows as usize], light.columns);
     reduce::visibility(lit, light.sample_count())
 }

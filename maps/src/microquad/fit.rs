@@ -162,6 +162,20 @@ impl Tangents {
     }
 }
 
+/// Where the map looks for all receivers and the corners of all triangles, one after the other: what kernels are told, and how many receivers lie
+/// beyond it ([`Tangents::beyond`]).
+pub fn fitted(
+    options: &MicroquadOptions,
+    light: &LatticeLight,
+    receivers: impl Iterator<Item = IVec3>,
+    triangles: impl Iterator<Item = [IVec3; 3]>,
+) -> (MicroquadParams, u64) {
+    let axes = LightAxes::new(light);
+    let tangents = receivers.fold(Tangents::NONE, |tangents, p| tangents.with(&axes, options.map.widest, p));
+    let nearest = triangles.fold(f64::INFINITY, |least, corners| tangents.nearest(&axes, corners).min(least));
+    (params(options, light, &tangents, nearest), tangents.beyond)
+}
+
 /// What kernels are told of a light and its map. `nearest` is the least of [`Tangents::nearest`].
 pub fn params(options: &MicroquadOptions, light: &LatticeLight, tangents: &Tangents, nearest: f64) -> MicroquadParams {
     let axes = LightAxes::new(light);
@@ -203,6 +217,8 @@ pub fn params(options: &MicroquadOptions, light: &LatticeLight, tangents: &Tange
     let vector = |v: [f64; 4]| Vec4::from_array(v.map(|x| x as f32));
     MicroquadParams {
         pass: UVec4::ZERO,
+        // All tiles, where it is no kernel that goes through them.
+        part: UVec4::new(0, 0, 0, u32::MAX),
         counts: UVec4::new(light.rows, light.columns, kind, directions),
         table: UVec4::new(distances, if light.columns > 32 { 2 } else { 1 }, 0, 0),
         frame,
@@ -210,7 +226,7 @@ pub fn params(options: &MicroquadOptions, light: &LatticeLight, tangents: &Tange
         samples: vector([x, y, 1.0 / spans[0].0, 1.0 / spans[1].0]),
         grid: vector([middle[0], middle[1], 1.0 / half[0], 1.0 / half[1]]),
         bias: Vec4::new(1.0 + map.depth_bias, 0.0, 0.0, 0.0),
-        origin: light.origin.extend(0),
+        origin: light.origin.extend(light.jitter.code() as i32),
         step_u: light.step_u.extend(0),
         step_v: light.step_v.extend(0),
     }

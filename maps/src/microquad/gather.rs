@@ -3,7 +3,9 @@
 //! Seed: Schwarz, Stamminger 2008, sections 2 and 3. Tiles of the map in which nothing occludes, or whose nearest texel lies outside of the light
 //! as the receiver sees it, are skipped; and the search ends when nothing is left to block.
 
-use umbra4_core::{MaskWord, exact, glam::IVec3, light::MAX_SAMPLES, wide::Wide};
+use core::marker::PhantomData;
+
+use umbra4_core::{MaskWord, exact, facing::Facing, glam::IVec3, light::MAX_SAMPLES, wide::Wide};
 
 use crate::{
     arithmetic::Arithmetic,
@@ -36,38 +38,94 @@ pub trait Gathered {
     fn fill(&mut self, params: &MicroquadParams);
 }
 
-/// A mask from exact rows.
+/// How the footprint of one micro-occluder becomes bits of a mask.
+pub trait InMask<W> {
+    /// See [`Gathered::CLOSED`].
+    const CLOSED: bool;
+    /// See [`Gathered::add_quad`].
+    fn add_quad(
+        mask: &mut Mask<W>,
+        a: Arithmetic,
+        params: &MicroquadParams,
+        table: &[u32],
+        corners: [Point; 4],
+        count: u32,
+    );
+    /// See [`Gathered::add_rectangle`].
+    fn add_rectangle(mask: &mut Mask<W>, a: Arithmetic, params: &MicroquadParams, table: &[u32], corners: [Point; 2]);
+}
+
+/// By exact rows.
 #[derive(Clone, Copy, Debug)]
-pub struct ByRows<W>(pub Mask<W>);
+pub struct Rows;
+
+/// By a table of half-spaces.
+#[derive(Clone, Copy, Debug)]
+pub struct Table;
+
+/// By axis-aligned rectangles.
+#[derive(Clone, Copy, Debug)]
+pub struct Rectangles;
+
+/// A mask, and how footprints come into it.
+#[derive(Clone, Copy, Debug)]
+pub struct ByMask<W, F> {
+    /// Rows of samples that are blocked.
+    pub mask: Mask<W>,
+    footprints: PhantomData<F>,
+}
+
+/// A mask from exact rows.
+pub type ByRows<W> = ByMask<W, Rows>;
 
 /// A mask from a table of half-spaces.
-#[derive(Clone, Copy, Debug)]
-pub struct ByTable<W>(pub Mask<W>);
+pub type ByTable<W> = ByMask<W, Table>;
 
 /// A mask from axis-aligned rectangles.
-#[derive(Clone, Copy, Debug)]
-pub struct ByRectangles<W>(pub Mask<W>);
+pub type ByRectangles<W> = ByMask<W, Rectangles>;
 
 /// The area that is occluded, in cells of samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ByArea(pub f32);
 
-#[inline(always)]
-fn is_full<W: MaskWord>(params: &MicroquadParams, mask: &Mask<W>) -> bool {
-    let (mut all, mut row) = (W::below(params.columns()), 0);
-    while row < params.rows() as usize {
-        all = all.and(mask[row % MAX_SAMPLES as usize]);
-        row += 1;
+impl<W: MaskWord, F> ByMask<W, F> {
+    /// Adds to what is blocked already.
+    #[inline(always)]
+    pub const fn of(mask: Mask<W>) -> Self {
+        Self { mask, footprints: PhantomData }
     }
-    all == W::below(params.columns())
 }
 
-#[inline(always)]
-fn fill<W: MaskWord>(params: &MicroquadParams, mask: &mut Mask<W>) {
-    let mut row = 0;
-    while row < params.rows() as usize {
-        mask[row % MAX_SAMPLES as usize] = W::below(params.columns());
-        row += 1;
+impl<W: MaskWord, F: InMask<W>> Gathered for ByMask<W, F> {
+    const CLOSED: bool = F::CLOSED;
+
+    #[inline(always)]
+    fn add_quad(&mut self, a: Arithmetic, params: &MicroquadParams, table: &[u32], corners: [Point; 4], count: u32) {
+        F::add_quad(&mut self.mask, a, params, table, corners, count);
+    }
+
+    #[inline(always)]
+    fn add_rectangle(&mut self, a: Arithmetic, params: &MicroquadParams, table: &[u32], corners: [Point; 2]) {
+        F::add_rectangle(&mut self.mask, a, params, table, corners);
+    }
+
+    #[inline(always)]
+    fn is_full(&self, params: &MicroquadParams) -> bool {
+        let (mut all, mut row) = (W::below(params.columns()), 0);
+        while row < params.rows() as usize {
+            all = all.and(self.mask[row % MAX_SAMPLES as usize]);
+            row += 1;
+        }
+        all == W::below(params.columns())
+    }
+
+    #[inline(always)]
+    fn fill(&mut self, params: &MicroquadParams) {
+        let mut row = 0;
+        while row < params.rows() as usize {
+            self.mask[row % MAX_SAMPLES as usize] = W::below(params.columns());
+            row += 1;
+        }
     }
 }
 
@@ -84,75 +142,59 @@ fn around([low, high]: [Point; 2]) -> Hull {
     Hull { corners, count }
 }
 
-impl<W: MaskWord> Gathered for ByRows<W> {
+impl<W: MaskWord> InMask<W> for Rows {
     const CLOSED: bool = true;
 
     #[inline(always)]
-    fn add_quad(&mut self, a: Arithmetic, params: &MicroquadParams, _: &[u32], corners: [Point; 4], count: u32) {
-        rows::fill(a, params, &hull_of(a, corners, count), &mut self.0);
+    fn add_quad(
+        mask: &mut Mask<W>,
+        a: Arithmetic,
+        params: &MicroquadParams,
+        _: &[u32],
+        corners: [Point; 4],
+        count: u32,
+    ) {
+        rows::fill(a, params, &hull_of(a, corners, count), mask);
     }
 
     #[inline(always)]
-    fn add_rectangle(&mut self, _: Arithmetic, params: &MicroquadParams, _: &[u32], corners: [Point; 2]) {
-        rectangles::fill(params, corners, &mut self.0);
-    }
-
-    #[inline(always)]
-    fn is_full(&self, params: &MicroquadParams) -> bool {
-        is_full(params, &self.0)
-    }
-
-    #[inline(always)]
-    fn fill(&mut self, params: &MicroquadParams) {
-        fill(params, &mut self.0);
+    fn add_rectangle(mask: &mut Mask<W>, _: Arithmetic, params: &MicroquadParams, _: &[u32], corners: [Point; 2]) {
+        rectangles::fill(params, corners, mask);
     }
 }
 
-impl<W: TableWord> Gathered for ByTable<W> {
+impl<W: TableWord> InMask<W> for Table {
     const CLOSED: bool = true;
 
     #[inline(always)]
-    fn add_quad(&mut self, a: Arithmetic, params: &MicroquadParams, table: &[u32], corners: [Point; 4], count: u32) {
-        half_spaces::fill(a, params, table, &hull_of(a, corners, count), &mut self.0);
+    fn add_quad(
+        mask: &mut Mask<W>,
+        a: Arithmetic,
+        params: &MicroquadParams,
+        table: &[u32],
+        corners: [Point; 4],
+        count: u32,
+    ) {
+        half_spaces::fill(a, params, table, &hull_of(a, corners, count), mask);
     }
 
     #[inline(always)]
-    fn add_rectangle(&mut self, a: Arithmetic, params: &MicroquadParams, table: &[u32], corners: [Point; 2]) {
-        half_spaces::fill(a, params, table, &around(corners), &mut self.0);
-    }
-
-    #[inline(always)]
-    fn is_full(&self, params: &MicroquadParams) -> bool {
-        is_full(params, &self.0)
-    }
-
-    #[inline(always)]
-    fn fill(&mut self, params: &MicroquadParams) {
-        fill(params, &mut self.0);
+    fn add_rectangle(mask: &mut Mask<W>, a: Arithmetic, params: &MicroquadParams, table: &[u32], corners: [Point; 2]) {
+        half_spaces::fill(a, params, table, &around(corners), mask);
     }
 }
 
-impl<W: MaskWord> Gathered for ByRectangles<W> {
+impl<W: MaskWord> InMask<W> for Rectangles {
     const CLOSED: bool = false;
 
     #[inline(always)]
-    fn add_quad(&mut self, a: Arithmetic, params: &MicroquadParams, _: &[u32], corners: [Point; 4], _: u32) {
-        rectangles::fill(params, rectangles::of_quad(a, params, corners), &mut self.0);
+    fn add_quad(mask: &mut Mask<W>, a: Arithmetic, params: &MicroquadParams, _: &[u32], corners: [Point; 4], _: u32) {
+        rectangles::fill(params, rectangles::of_quad(a, params, corners), mask);
     }
 
     #[inline(always)]
-    fn add_rectangle(&mut self, _: Arithmetic, params: &MicroquadParams, _: &[u32], corners: [Point; 2]) {
-        rectangles::fill(params, corners, &mut self.0);
-    }
-
-    #[inline(always)]
-    fn is_full(&self, params: &MicroquadParams) -> bool {
-        is_full(params, &self.0)
-    }
-
-    #[inline(always)]
-    fn fill(&mut self, params: &MicroquadParams) {
-        fill(params, &mut self.0);
+    fn add_rectangle(mask: &mut Mask<W>, _: Arithmetic, params: &MicroquadParams, _: &[u32], corners: [Point; 2]) {
+        rectangles::fill(params, corners, mask);
     }
 }
 
@@ -206,7 +248,26 @@ fn corner(a: Arithmetic, params: &MicroquadParams, map: &[u32], viewer: &Viewer,
     }
 }
 
-/// Adds all that blocks the receiver at `p`. `nodes` is the pyramid of `map`; `table` is read by [`ByTable`] only.
+/// As [`gather`], of a receiver whose surface may be known to face away: as in the exact system, the light gives it nothing.
+#[inline(always)]
+pub fn gather_facing<G: Gathered>(
+    params: &MicroquadParams,
+    map: &[u32],
+    nodes: &[Node],
+    table: &[u32],
+    p: IVec3,
+    facing: Facing,
+    out: &mut G,
+) {
+    if facing.is_away_from(&params.lattice_light(), p) {
+        out.fill(params);
+    } else {
+        gather(params, map, nodes, table, p, out);
+    }
+}
+
+/// Adds all that blocks the receiver at `p`, in those tiles of its search area that the pass is of. `nodes` is the pyramid of `map`; `table` is
+/// read by [`ByTable`] only.
 #[inline(always)]
 pub fn gather<G: Gathered>(
     params: &MicroquadParams,
@@ -223,14 +284,15 @@ pub fn gather<G: Gathered>(
     let a = params.arithmetic();
     let viewer = Viewer::new(a, params, p);
     let closed = G::CLOSED && params.counts.z != PATCHES;
-    match search::search(a, params, nodes, &viewer, closed) {
+    let (found, area) = search::search(a, params, nodes, &viewer, closed);
+    match found {
         Found::Lit => {}
         Found::Dark => out.fill(params),
-        Found::Some(area) => gather_area(params, map, nodes, table, &viewer, area, out),
+        Found::Some => gather_area(params, map, nodes, table, &viewer, area, out),
     }
 }
 
-/// Adds what lies in an area of the map.
+/// Adds what lies in an area of the map: tile by tile, row by row, those of the pass.
 #[inline(always)]
 pub fn gather_area<G: Gathered>(
     params: &MicroquadParams,
@@ -241,33 +303,36 @@ pub fn gather_area<G: Gathered>(
     whole: Area,
     out: &mut G,
 ) {
-    let a = params.arithmetic();
-    let size = params.frame.size();
-    let tile = TILE as i32;
-    let mut y = whole.rows[0] / tile;
-    while y <= whole.rows[1] / tile {
-        let mut x = whole.columns[0] / tile;
-        while x <= whole.columns[1] / tile {
-            let node = pyramid::of_tile(nodes, size, x as u32, y as u32);
-            if node.most > viewer.threshold {
-                // Its own nearest texel may make the area smaller still.
-                let own = search::area(a, params, viewer, node.most);
-                let within = |own: [i32; 2], at: i32| {
-                    let (first, last) = (at * tile, at * tile + tile - 1);
-                    [if own[0] > first { own[0] } else { first }, if own[1] < last { own[1] } else { last }]
-                };
-                let part = Area { columns: within(own.columns, x), rows: within(own.rows, y), cut: false };
-                if !part.is_empty() {
-                    gather_part(params, map, table, viewer, part, out);
-                    if out.is_full(params) {
-                        return;
-                    }
+    let (a, pass, size) = (params.arithmetic(), params.pass(), params.frame.size());
+    let (left, below) = (whole.columns[0] as u32 / TILE, whole.rows[0] as u32 / TILE);
+    let across = whole.columns[1] as u32 / TILE - left + 1;
+    let all = across * (whole.rows[1] as u32 / TILE - below + 1);
+    let mut index = pass.tile;
+    let end = if index < all && pass.tiles < all - index { index + pass.tiles } else { all };
+    while index < end {
+        let (x, y) = (left + index % across, below + index / across);
+        let node = pyramid::of_tile(nodes, size, x, y);
+        if node.most > viewer.threshold {
+            // Its own nearest texel may make the area smaller still.
+            let own = search::area(a, params, viewer, node.most);
+            let part = Area { columns: in_tile(own.columns, x), rows: in_tile(own.rows, y), cut: false };
+            if !part.is_empty() {
+                gather_part(params, map, table, viewer, part, out);
+                if out.is_full(params) {
+                    index = end;
                 }
             }
-            x += 1;
         }
-        y += 1;
+        index += 1;
     }
+}
+
+/// What of a range lies in a tile's own.
+#[inline(always)]
+fn in_tile([from, to]: [i32; 2], tile: u32) -> [i32; 2] {
+    let first = (tile * TILE) as i32;
+    let last = first + TILE as i32 - 1;
+    [if from > first { from } else { first }, if to < last { to } else { last }]
 }
 
 #[inline(always)]

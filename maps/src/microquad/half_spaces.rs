@@ -105,14 +105,16 @@ pub fn fill<W: TableWord>(a: Arithmetic, params: &MicroquadParams, table: &[u32]
     if beside {
         return;
     }
-    let first = |from, to| (entry(a, params, from, to) * rows) as usize;
-    let edges = [first(p, q), first(q, r), if hull.count == 4 { first(r, s) } else { first(r, p) }];
-    let last = if hull.count == 4 { first(s, p) } else { edges[2] };
+    let is_quad = hull.count == 4;
+    // First rows of the edges' entries.
+    let (pq, qr) = (entry(a, params, p, q) * rows, entry(a, params, q, r) * rows);
+    let from_r = entry(a, params, r, if is_quad { s } else { p }) * rows;
+    let sp = if is_quad { entry(a, params, s, p) * rows } else { from_r };
     let mut row = 0;
     while row < rows as usize {
-        let load = |first: usize| W::load(table, first + row, words);
-        let inside = load(edges[0]).and(load(edges[1])).and(load(edges[2])).and(load(last));
-        let place = row % mask.len();
+        let (first, second) = (W::load(table, pq as usize + row, words), W::load(table, qr as usize + row, words));
+        let (third, fourth) = (W::load(table, from_r as usize + row, words), W::load(table, sp as usize + row, words));
+        let (inside, place) = (first.and(second).and(third).and(fourth), row % mask.len());
         mask[place] = mask[place].or(inside);
         row += 1;
     }
@@ -148,6 +150,16 @@ pub fn write_entry(light: &LatticeLight, fineness: HalfSpaces, index: usize, row
         write_with(light, &Pattern::of(light), line(fineness, index), rows);
     } else {
         write_with(light, &Regular, line(fineness, index), rows);
+    }
+}
+
+/// Writes a whole table, of [`table_length`] words.
+#[cfg(not(target_arch = "spirv"))]
+pub fn write_table(light: &LatticeLight, fineness: HalfSpaces, words: &mut [u32]) {
+    let entries = fineness.directions as usize * fineness.distances as usize;
+    let entry = words.len() / entries.max(1);
+    for (index, rows) in words.chunks_exact_mut(entry.max(1)).enumerate() {
+        write_entry(light, fineness, index, rows);
     }
 }
 

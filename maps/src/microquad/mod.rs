@@ -19,8 +19,11 @@
 //! | [`hull`] | the convex hull of a microquad |
 //! | [`rows`], [`half_spaces`], [`rectangles`], [`area`] | what a footprint blocks, in four ways |
 //! | [`gather`] | all of it, for one receiver |
+//! | [`drawn`] | a map that was drawn, for whoever looks at it |
 
 pub mod area;
+#[cfg(not(target_arch = "spirv"))]
+pub mod drawn;
 #[cfg(not(target_arch = "spirv"))]
 pub mod fit;
 pub mod gather;
@@ -33,6 +36,8 @@ pub mod rectangles;
 pub mod rows;
 pub mod search;
 
+#[cfg(not(target_arch = "spirv"))]
+pub use drawn::DrawnMap;
 #[cfg(not(target_arch = "spirv"))]
 pub use options::{Field, MicroquadError};
 pub use options::{Footprint, HalfSpaces, MapOptions, MicroOccluders, MicroquadOptions};

@@ -38,15 +38,16 @@ impl Area {
     }
 }
 
-/// What a receiver has to do.
+/// What a receiver has to do. (On GPUs, a variant with an area in it would be copied byte by byte, which they do not do.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
 pub enum Found {
     /// Nothing: it sees all of the light.
     Lit,
     /// Nothing: every texel that it could see the light through occludes it.
     Dark,
-    /// To look at these.
-    Some(Area),
+    /// To look at the texels of an area.
+    Some,
 }
 
 /// What may block something, where all that occludes has an inverse depth of `most` at most.
@@ -71,10 +72,10 @@ pub fn area(a: Arithmetic, params: &MicroquadParams, viewer: &Viewer, most: f32)
     Area { columns: within(columns), rows: within(rows), cut }
 }
 
-/// What a receiver has to look at. `dark`: whether one that only occluding texels lie around is in the dark, as it is where
+/// What a receiver has to do, and, if anything, in which area. `dark`: whether one that only occluding texels lie around is in the dark, as it is where
 /// footprints leave no gaps.
 #[inline(always)]
-pub fn search(a: Arithmetic, params: &MicroquadParams, nodes: &[Node], viewer: &Viewer, dark: bool) -> Found {
+pub fn search(a: Arithmetic, params: &MicroquadParams, nodes: &[Node], viewer: &Viewer, dark: bool) -> (Found, Area) {
     let size = params.frame.size();
     let last = pyramid::tiles(size) - 1;
     let mut node = pyramid::around(nodes, size, [0, last], [0, last]);
@@ -82,21 +83,21 @@ pub fn search(a: Arithmetic, params: &MicroquadParams, nodes: &[Node], viewer: &
     let mut round = 0;
     while round < ROUNDS {
         if node.most <= viewer.threshold {
-            return Found::Lit;
+            return (Found::Lit, found);
         }
         found = area(a, params, viewer, node.most);
         if found.is_empty() {
-            return Found::Lit;
+            return (Found::Lit, found);
         }
         let tiles = |[from, to]: [i32; 2]| [from as u32 / TILE, to as u32 / TILE];
         node = pyramid::around(nodes, size, tiles(found.columns), tiles(found.rows));
         round += 1;
     }
     if node.most <= viewer.threshold {
-        return Found::Lit;
+        return (Found::Lit, found);
     }
     if dark && !found.cut && node.least > viewer.threshold {
-        return Found::Dark;
+        return (Found::Dark, found);
     }
-    Found::Some(found)
+    (Found::Some, found)
 }

@@ -1,0 +1,6 @@
+//! Approximate shadows, from shadow maps: memory and passes for `umbra4-maps`. And the switch between them and the exact system.
+
+mod microquads;
+mod technique;
+
+pub use microquads::ShadowMap;
