@@ -139,7 +139,7 @@ impl CellGrid {
     #[inline(always)]
     fn slot(&self, away: u32, reach: u32, sign: i32) -> i32 {
         let bits = 32 - reach.leading_zeros();
-        let down = if bits > DISTANCE_BITS { bits - DISTANCE_BITS } else { 0 };
+        let down = greater(bits, DISTANCE_BITS) - DISTANCE_BITS;
         let (away, reach) = (away >> down, reach >> down);
         // What is nearer to the inner side than the middle has a slot below half of them.
         let from_inside = if sign > 0 { reach - away } else { reach + away };
