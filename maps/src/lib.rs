@@ -10,6 +10,8 @@
 #![forbid(unsafe_code)]
 
 pub mod arithmetic;
+#[cfg(not(target_arch = "spirv"))]
+pub mod curve;
 pub mod draw;
 pub mod kernel;
 pub mod microquad;

@@ -19,8 +19,10 @@ pub mod fit;
 pub mod gather;
 pub mod lookup;
 pub mod moments;
+#[cfg(not(target_arch = "spirv"))]
 pub mod options;
 pub mod params;
+#[cfg(not(target_arch = "spirv"))]
 pub mod placement;
 pub mod reproject;
 pub mod resolve;
@@ -31,4 +33,5 @@ pub mod tiles;
 pub mod trace;
 pub mod tree;
 
+#[cfg(not(target_arch = "spirv"))]
 pub use options::{Basis, Centers, Footprint, Placement, StochasticError, StochasticOptions};

@@ -8,6 +8,7 @@ use crate::stochastic::{
     elementary::Elementary,
     params::{LensParams, PROJECTED, RECTANGULAR},
     slice::fetch,
+    tiles::{self, DATA},
 };
 
 /// Neighbours that are asked.
@@ -106,7 +107,18 @@ fn gauss(distance: i32) -> f32 {
     if distance < GAUSS.len() { GAUSS[distance] } else { 0.0 }
 }
 
-/// The radius that texel `id` is filtered with: ρ of section 5.2, but for the limit to what is raised.
+/// The radius that texel `id` is filtered with: ρ of section 5.2, but for the limit to what is raised. Of texels that nothing is gathered from
+/// (`tiles`), the sample's own.
+#[inline(always)]
+pub fn filtered_with(id: usize, params: &LensParams, tiles: &[u32], samples: &[Elementary], found: &[f32]) -> f32 {
+    if tiles::has(tiles::tile_of(id, params), DATA, params, tiles) {
+        raised(id, params, samples, found)
+    } else {
+        fetch(samples, id, Elementary::NONE).radius
+    }
+}
+
+/// The same of a texel that is gathered from.
 #[inline(always)]
 pub fn raised(id: usize, params: &LensParams, samples: &[Elementary], found: &[f32]) -> f32 {
     let own = fetch(samples, id, Elementary::NONE).radius;

@@ -32,17 +32,19 @@ pub const MISS: f32 = f32::MAX;
 /// The corners of triangle `id`.
 #[inline(always)]
 pub fn corners(id: usize, params: &LensParams, vertices: &[[i32; 3]], triangles: &[[u32; 3]]) -> Corners {
-    let indices = fetch(triangles, id, [u32::MAX; 3]);
-    let missing = |index: u32| index as usize >= vertices.len();
-    if missing(indices[0]) || missing(indices[1]) || missing(indices[2]) {
+    let [i, j, k] = fetch(triangles, id, [u32::MAX; 3]);
+    let vertex_count = vertices.len();
+    if i as usize >= vertex_count || j as usize >= vertex_count || k as usize >= vertex_count {
         return NOWHERE;
     }
-    let placed = |index: u32| {
-        let p = fetch(vertices, index as usize, [0; 3]);
-        let p = params.place(IVec3::new(p[0], p[1], p[2]));
-        [p.x, p.y, p.z]
-    };
-    [placed(indices[0]), placed(indices[1]), placed(indices[2])]
+    [placed(i, params, vertices), placed(j, params, vertices), placed(k, params, vertices)]
+}
+
+#[inline(always)]
+fn placed(vertex: u32, params: &LensParams, vertices: &[[i32; 3]]) -> [f32; 3] {
+    let p = fetch(vertices, vertex as usize, [0; 3]);
+    let p = params.place(IVec3::new(p[0], p[1], p[2]));
+    [p.x, p.y, p.z]
 }
 
 /// The box around both.
