@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use thiserror::Error;
-use umbra4_core::stage::Stage;
 use umbra4_cpu::Occluders;
 use umbra4_wgpu::{Gpu, GpuError, LatticeScene, Loading, Precision, Statistics, WgpuExecutor, wgpu::Features};
 
@@ -126,7 +125,7 @@ impl Subject {
 struct Measured {
     host: f64,
     /// Of the run whose stages took the least time together.
-    stages: Option<Vec<(Stage, f64)>>,
+    stages: Option<Vec<(&'static str, f64)>>,
     /// Least seconds with kernels loaded the other way: of all stages, where they are known.
     other: Option<f64>,
     lit: Vec<u32>,
@@ -141,8 +140,8 @@ fn seconds(statistics: &Statistics) -> f64 {
 }
 
 /// Of two runs' stages, those that took less time together.
-fn faster(old: Option<Vec<(Stage, f64)>>, new: Vec<(Stage, f64)>) -> Vec<(Stage, f64)> {
-    let sum = |stages: &[(Stage, f64)]| stages.iter().map(|(_, seconds)| seconds).sum::<f64>();
+fn faster(old: Option<Vec<(&'static str, f64)>>, new: Vec<(&'static str, f64)>) -> Vec<(&'static str, f64)> {
+    let sum = |stages: &[(&'static str, f64)]| stages.iter().map(|(_, seconds)| seconds).sum::<f64>();
     match old {
         Some(old) if sum(&old) <= sum(&new) => old,
         _ => new,

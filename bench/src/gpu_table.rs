@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use umbra4_core::stage::Stage;
+use umbra4_core::stage::TABLE;
 use umbra4_wgpu::{Gpu, Loading, Precision};
 
 use crate::image_size::ImageSize;
@@ -76,7 +76,7 @@ pub struct Line {
     /// umbra4's least seconds as the host saw them: uploads and results included.
     pub host_seconds: f64,
     /// Seconds of umbra4's stages on the device; empty where it has no timestamps.
-    pub stages: Vec<(Stage, f64)>,
+    pub stages: Vec<(&'static str, f64)>,
     /// How kernels were loaded.
     pub loading: Loading,
     /// Least seconds with kernels loaded the other way, where the device can.
@@ -102,7 +102,7 @@ impl Line {
         self.device_seconds().unwrap_or(self.host_seconds)
     }
 
-    fn stage(&self, stage: Stage) -> Option<f64> {
+    fn stage(&self, stage: &str) -> Option<f64> {
         self.stages.iter().find(|(known, _)| *known == stage).map(|(_, seconds)| *seconds)
     }
 
@@ -193,14 +193,14 @@ fn notes(out: &mut String, lines: &[Line]) {
 
 /// Times of stages; shares of their sum on a software driver.
 fn stages(out: &mut String, gpu: &Gpu, lines: &[Line]) {
-    let mut seen: Vec<Stage> = lines.iter().flat_map(|line| &line.stages).map(|(stage, _)| *stage).collect();
-    seen.sort_by_key(|stage| *stage as u32);
+    let mut seen: Vec<&str> = lines.iter().flat_map(|line| &line.stages).map(|(stage, _)| *stage).collect();
+    seen.sort_by_key(|stage| TABLE.iter().position(|info| info.name == *stage));
     seen.dedup();
     if seen.is_empty() {
         return;
     }
     let unit = if gpu.software { "%" } else { "ms" };
-    let names: String = seen.iter().map(|stage| format!(" {} |", stage.info().name)).collect();
+    let names: String = seen.iter().map(|stage| format!(" {stage} |")).collect();
     let _ = writeln!(out, "\numbra4's stages, {unit}:\n\n{HEAD}{names}\n{RULE}{}", "--:|".repeat(seen.len()));
     for line in lines {
         let _ = write!(out, "{}", line.head());
@@ -217,14 +217,14 @@ fn stages(out: &mut String, gpu: &Gpu, lines: &[Line]) {
 
 /// The table that a program reads. Fields of times are empty where the driver is a software one.
 pub fn csv(gpu: &Gpu, lines: &[Line]) -> String {
-    let stages: Vec<Stage> = umbra4_core::stage::TABLE.iter().map(|info| info.stage).collect();
+    let stages = TABLE.map(|info| info.name);
     let mut out = String::from(
         "adapter,scene,triangles,width,height,receivers,samples,precision,umbra4_device_seconds,umbra4_host_seconds,\
          rival_seconds,rival_build_seconds,rival_receivers,ratio,checked_over_passthrough,lit_bits,lit_bits_differing,mask_bits,\
          mask_bits_differing",
     );
-    for stage in &stages {
-        let _ = write!(out, ",{}_seconds", stage.info().name);
+    for stage in stages {
+        let _ = write!(out, ",{stage}_seconds");
     }
     out.push('\n');
     let time = |seconds: Option<f64>| {
@@ -256,7 +256,7 @@ pub fn csv(gpu: &Gpu, lines: &[Line]) -> String {
             figure(|rival| rival.masks.bits.to_string()),
             figure(|rival| rival.masks.differing.to_string()),
         );
-        for &stage in &stages {
+        for stage in stages {
             let _ = write!(out, ",{}", time(line.stage(stage)));
         }
         out.push('\n');
@@ -284,7 +284,7 @@ mod tests {
             samples: 8,
             precision: Precision::Exact,
             host_seconds: 9.0,
-            stages: vec![(Stage::Resolve, 1.0), (Stage::Reduce, 0.5)],
+            stages: vec![("resolve", 1.0), ("reduce", 0.5)],
             loading: Loading::Checked,
             other_loading_seconds: Some(1.25),
             rival: Some(figures),

@@ -61,7 +61,7 @@ impl From<umbra4_cpu::Statistics> for Report {
 impl From<umbra4_wgpu::Statistics> for Report {
     fn from(statistics: umbra4_wgpu::Statistics) -> Self {
         let mut stages: Vec<(String, f64)> =
-            statistics.stages.iter().map(|(stage, seconds)| (stage.info().name.to_owned(), *seconds)).collect();
+            statistics.stages.iter().map(|(stage, seconds)| ((*stage).to_owned(), *seconds)).collect();
         // What the host waited for beyond that: uploads, results; or all of it, where the device takes no time.
         let named: f64 = stages.iter().map(|(_, seconds)| seconds).sum();
         let rest = if stages.is_empty() { "gpu" } else { "transfer" };

@@ -2,7 +2,7 @@
 
 use std::{
     sync::{Mutex, PoisonError},
-    time::Instant,
+    time::{Duration, Instant},
 };
 
 use umbra4_core::{
@@ -281,6 +281,41 @@ impl WgpuExecutor {
     ) -> Result<(Results, Statistics), GpuError> {
         let device = &self.gpu.device;
         let plan = Plan::new(run.facts);
+        let (results, time) = self.with_work(|recorder, scratch| {
+            loop {
+                let mut buffers = Buffers::fit(scratch, device, &plan, &run.layout, scene.vertices.len() as u32)?;
+                if asked.weights.is_some() {
+                    let weights = scratch.fit::<PackedWeight>(device, "weights", MOST_SAMPLES)?;
+                    let sums = scratch.fit::<[u32; 3]>(device, "weighed light", receivers.points.len() as u64)?;
+                    buffers.emission = Some([(&weights).into(), (&sums).into()]);
+                }
+                let mut host = Host::new(&self.gpu, asked, run.layout.stride);
+                host.upload(&buffers, scene, receivers)?;
+                recorder.restart();
+                recorder.clear(&buffers.masks, buffers.stopped());
+                run.record(recorder, &buffers, &mut host)?;
+                let results = host.finish(recorder, &buffers)?;
+                match results.stopped {
+                    false => return Ok(results),
+                    // The driver ended threads before they were done: they get less to do.
+                    true if run.layout.slice > SMALLEST_SLICE => {
+                        run.layout.slice = (run.layout.slice / NODE as u32).max(SMALLEST_SLICE);
+                    }
+                    true => return Err(GpuError::Stopped { adapter: self.gpu.name.clone() }),
+                }
+            }
+        })?;
+        let counts = asked.counts.then(|| sum(&results.counts));
+        let stages = results.stages.clone();
+        Ok((results, Statistics { time, counts, stages }))
+    }
+
+    /// Does something with what is kept from run to run; and how long it took, but for kernels that had to be compiled.
+    pub(crate) fn with_work<T>(
+        &self,
+        run: impl FnOnce(&mut Recorder, &mut Scratch) -> Result<T, GpuError>,
+    ) -> Result<(T, Duration), GpuError> {
+        let device = &self.gpu.device;
         let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);
         let Work { recorder, scratch } = match &mut *work {
             Some(work) => work,
@@ -292,32 +327,8 @@ impl WgpuExecutor {
         };
         let compiling = recorder.pipelines().time();
         let start = Instant::now();
-        let results = loop {
-            let mut buffers = Buffers::fit(scratch, device, &plan, &run.layout, scene.vertices.len() as u32)?;
-            if asked.weights.is_some() {
-                let weights = scratch.fit::<PackedWeight>(device, "weights", MOST_SAMPLES)?;
-                let sums = scratch.fit::<[u32; 3]>(device, "weighed light", receivers.points.len() as u64)?;
-                buffers.emission = Some([(&weights).into(), (&sums).into()]);
-            }
-            let mut host = Host::new(&self.gpu, asked, run.layout.stride);
-            host.upload(&buffers, scene, receivers)?;
-            recorder.restart();
-            recorder.clear(&buffers.masks, buffers.stopped());
-            run.record(recorder, &buffers, &mut host)?;
-            let results = host.finish(recorder, &buffers)?;
-            match results.stopped {
-                false => break results,
-                // The driver ended threads before they were done: they get less to do.
-                true if run.layout.slice > SMALLEST_SLICE => {
-                    run.layout.slice = (run.layout.slice / NODE as u32).max(SMALLEST_SLICE);
-                }
-                true => return Err(GpuError::Stopped { adapter: self.gpu.name.clone() }),
-            }
-        };
-        let time = start.elapsed().saturating_sub(recorder.pipelines().time() - compiling);
-        let counts = asked.counts.then(|| sum(&results.counts));
-        let stages = results.stages.clone();
-        Ok((results, Statistics { time, counts, stages }))
+        let done = run(recorder, scratch)?;
+        Ok((done, start.elapsed().saturating_sub(recorder.pipelines().time() - compiling)))
     }
 }
 
@@ -327,7 +338,7 @@ pub(crate) fn bounds<'a>(points: impl Iterator<Item = &'a IVec3>) -> [IVec3; 2] 
 }
 
 /// The words of all masks: each receiver's start at a word of 32 bits.
-fn words<W: MaskWord>(masks: &[u32], rows: usize, stride: usize) -> Vec<W> {
+pub(crate) fn words<W: MaskWord>(masks: &[u32], rows: usize, stride: usize) -> Vec<W> {
     let mut out = Vec::with_capacity(masks.len() / stride.max(1) * rows);
     for mask in masks.chunks_exact(stride) {
         // On a big-endian host the halves of words would have to be swapped; wgpu runs on none.

@@ -2,13 +2,13 @@
 
 use std::fmt;
 
-use umbra4_core::kernel::{TABLE, WORKGROUP};
+use umbra4_core::kernel::WORKGROUP;
 use wgpu::{
     Adapter, Backends, Buffer, CommandEncoderDescriptor, Device, DeviceDescriptor, DeviceType, ExperimentalFeatures,
     Features, Instance, InstanceDescriptor, Limits, MemoryHints, Queue,
 };
 
-use crate::{GpuError, error::guarded, readback};
+use crate::{DeviceKernel, GpuError, error::guarded, readback};
 
 /// Which adapter to open.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -74,7 +74,7 @@ fn report(adapter: &Adapter) -> AdapterReport {
 /// Name, value and need of the limits that are too small.
 fn shortages(limits: &Limits) -> impl Iterator<Item = (&'static str, u64, u64)> {
     // The parameters are one more.
-    let buffers = 1 + TABLE.iter().map(|info| info.bound.len()).max().unwrap_or(0) as u32;
+    let buffers = 1 + DeviceKernel::all().map(|kernel| kernel.accesses().count()).max().unwrap_or(0) as u32;
     let needs = [
         ("max_storage_buffers_per_shader_stage", limits.max_storage_buffers_per_shader_stage, buffers),
         ("max_compute_invocations_per_workgroup", limits.max_compute_invocations_per_workgroup, WORKGROUP),

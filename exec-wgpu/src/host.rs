@@ -1,12 +1,9 @@
 //! A run for the host: what it hands over goes up, what it asked for comes back, block by block.
 
-use umbra4_core::{
-    kernel::{
-        resolve::{ReceiverCounts, STOPPED},
-        resolve_cloud::SampleTile,
-        weigh::PackedWeight,
-    },
-    stage::Stage,
+use umbra4_core::kernel::{
+    resolve::{ReceiverCounts, STOPPED},
+    resolve_cloud::SampleTile,
+    weigh::PackedWeight,
 };
 use wgpu::{Buffer, CommandEncoderDescriptor};
 
@@ -16,7 +13,7 @@ use crate::{
     readback::{copy, read},
     recorder::Recorder,
     stages::{Buffers, Ends},
-    timing::{add, seconds},
+    submit::submit,
 };
 
 /// What is asked for.
@@ -38,7 +35,7 @@ pub(crate) struct Results {
     pub(crate) lit: Vec<u32>,
     pub(crate) weighed: Vec<[u32; 3]>,
     pub(crate) counts: Vec<ReceiverCounts>,
-    pub(crate) stages: Vec<(Stage, f64)>,
+    pub(crate) stages: Vec<(&'static str, f64)>,
     /// Whether the driver has stopped a thread: the results lack something.
     pub(crate) stopped: bool,
 }
@@ -123,32 +120,23 @@ impl Ends for Host<'_> {
 
     fn block(&mut self, recorder: &mut Recorder, buffers: &Buffers, _: u32, count: u32) -> Result<(), GpuError> {
         self.receivers += u64::from(count);
-        let Self { gpu: Gpu { device, queue, .. }, asked, stride, results, .. } = self;
-        let (masks, counts, ticks) = guarded(device, "records passes", || {
-            let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor { label: Some("umbra4") });
-            recorder.encode(&mut encoder)?;
-            let words = u64::from(count) * u64::from(*stride);
-            let masks = asked.masks.then(|| copy(device, &mut encoder, &buffers.masks, 0, words * 4));
-            let size = u64::from(count) * size_of::<ReceiverCounts>() as u64;
-            let counts = buffers.counts.as_ref().map(|counts| copy(device, &mut encoder, counts, 0, size));
-            let ticks = recorder.timing().filter(|timing| !timing.stages().is_empty()).map(|timing| {
-                let size = timing.stages().len() * size_of::<[u64; 2]>();
-                copy(device, &mut encoder, timing.ticks(), 0, size as u64)
-            });
-            queue.submit([encoder.finish()]);
-            Ok::<_, GpuError>((masks, counts, ticks))
-        })??;
-        if let Some(masks) = masks {
-            results.masks.extend(read::<u32>(device, &masks)?);
+        let Self { gpu, asked, stride, results, .. } = self;
+        let bytes = |words: u64| u64::from(count) * words * size_of::<u32>() as u64;
+        let mut wanted = Vec::new();
+        if asked.masks {
+            wanted.push((&buffers.masks, 0, bytes(u64::from(*stride))));
         }
-        if let Some(counts) = counts {
-            results.counts.extend(read::<ReceiverCounts>(device, &counts)?);
+        if let Some(counts) = &buffers.counts {
+            wanted.push((counts, 0, bytes((size_of::<ReceiverCounts>() / size_of::<u32>()) as u64)));
         }
-        if let Some((timing, ticks)) = recorder.timing().zip(ticks) {
-            let ticks = read::<u64>(device, &ticks)?;
-            for (stage, time) in seconds(timing.stages(), &ticks, queue.get_timestamp_period()) {
-                add(&mut results.stages, stage, time);
-            }
+        let mut copies = submit(gpu, recorder, &wanted, &mut results.stages)?.into_iter();
+        if asked.masks
+            && let Some(masks) = copies.next()
+        {
+            results.masks.extend(read::<u32>(&gpu.device, &masks)?);
+        }
+        if let Some(counts) = copies.next() {
+            results.counts.extend(read::<ReceiverCounts>(&gpu.device, &counts)?);
         }
         Ok(())
     }

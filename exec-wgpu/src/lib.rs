@@ -5,6 +5,7 @@
 
 mod checks;
 mod clouds;
+mod device_kernel;
 mod error;
 mod executor;
 mod frame;
@@ -21,9 +22,11 @@ mod scratch;
 mod shadows;
 mod stages;
 mod statistics;
+mod submit;
 mod timing;
 mod told;
 
+pub use device_kernel::DeviceKernel;
 pub use error::{GpuError, guarded};
 pub use executor::WgpuExecutor;
 pub use frame::{
@@ -38,4 +41,5 @@ pub use scene::{LatticeReceivers, LatticeScene};
 pub use shadows::{Snapped, SoftShadows};
 pub use statistics::Statistics;
 pub use umbra4_core::{Precision, kernel::status::Status};
+pub use umbra4_maps as maps;
 pub use wgpu;

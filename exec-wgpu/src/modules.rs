@@ -1,19 +1,22 @@
 //! The kernels' SPIR-V, as compiled from `shaders-rust`.
 
 use umbra4_core::kernel::Kernel;
+use umbra4_maps::kernel::MapKernel;
+
+use crate::DeviceKernel;
 
 macro_rules! modules {
-    ($($kernel:ident: $file:literal),* $(,)?) => {
-        /// The SPIR-V module of a kernel: one entry point, named as in `umbra4_core::kernel::TABLE`.
-        pub fn code(kernel: Kernel) -> &'static [u8] {
+    ($name:ident, $type:ident: $($kernel:ident: $file:literal),* $(,)?) => {
+        const fn $name(kernel: $type) -> &'static [u8] {
             match kernel {
-                $(Kernel::$kernel => include_bytes!(concat!("../shaders/", $file, ".spv")),)*
+                $($type::$kernel => include_bytes!(concat!("../shaders/", $file, ".spv")),)*
             }
         }
     };
 }
 
 modules! {
+    exact, Kernel:
     KeyTriangles: "key_triangles",
     KeyReceivers: "key_receivers",
     SettleReceivers: "settle_receivers",
@@ -80,6 +83,21 @@ modules! {
     Upsample: "upsample",
     UpsampleLight: "upsample_light",
     Probe: "probe",
+}
+
+modules! {
+    of_maps, MapKernel:
+    DrawMap: "draw_map",
+    BuildTiles: "build_tiles",
+    BuildParents: "build_parents",
+}
+
+/// The SPIR-V module of a kernel: one entry point, named as in its table.
+pub fn code(kernel: impl Into<DeviceKernel>) -> &'static [u8] {
+    match kernel.into() {
+        DeviceKernel::Exact(kernel) => exact(kernel),
+        DeviceKernel::Maps(kernel) => of_maps(kernel),
+    }
 }
 
 /// The manifest of the modules, JSON: compiler, hash of the sources, and of each module its bindings and hash.

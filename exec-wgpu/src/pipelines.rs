@@ -7,7 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use umbra4_core::kernel::{Access, Kernel, ParamsKind, WORKGROUP};
+use umbra4_core::kernel::{Access, WORKGROUP};
 use wgpu::{
     Backend, BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, BufferBindingType,
     BufferSize, ComputePipeline, ComputePipelineDescriptor, Device, Features, PassthroughShaderEntryPoint,
@@ -15,7 +15,7 @@ use wgpu::{
     ShaderModuleDescriptorPassthrough, ShaderSource, ShaderStages, TextureSampleType, TextureViewDimension,
 };
 
-use crate::{GpuError, error::guarded, modules};
+use crate::{DeviceKernel, GpuError, error::guarded, modules};
 
 /// How kernels reach the driver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -52,7 +52,7 @@ pub(crate) struct Pipeline {
 #[derive(Debug, Default)]
 pub(crate) struct Pipelines {
     loading: Loading,
-    made: HashMap<Kernel, Arc<Pipeline>>,
+    made: HashMap<DeviceKernel, Arc<Pipeline>>,
     time: Duration,
 }
 
@@ -67,7 +67,7 @@ impl Pipelines {
     }
 
     /// The pipeline of a kernel.
-    pub(crate) fn get(&mut self, device: &Device, kernel: Kernel) -> Result<Arc<Pipeline>, GpuError> {
+    pub(crate) fn get(&mut self, device: &Device, kernel: DeviceKernel) -> Result<Arc<Pipeline>, GpuError> {
         if let Some(pipeline) = self.made.get(&kernel) {
             return Ok(pipeline.clone());
         }
@@ -106,13 +106,9 @@ fn binding_type(access: Access) -> BindingType {
     }
 }
 
-fn load(device: &Device, loading: Loading, kernel: Kernel) -> ShaderModule {
-    // Raw, lavapipe gives some receivers of jittered samples, or before a cloud, wrong masks; why is not known yet.
-    let loading = match kernel.info().params {
-        ParamsKind::JitteredLight | ParamsKind::Cloud => Loading::Checked,
-        _ => loading,
-    };
-    let name = kernel.info().name;
+fn load(device: &Device, loading: Loading, kernel: DeviceKernel) -> ShaderModule {
+    let loading = if kernel.is_always_checked() { Loading::Checked } else { loading };
+    let name = kernel.name();
     let words: Vec<u32> =
         modules::code(kernel).chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
     let code = Cow::Owned(words);
@@ -136,29 +132,29 @@ fn load(device: &Device, loading: Loading, kernel: Kernel) -> ShaderModule {
     }
 }
 
-fn compile(device: &Device, loading: Loading, kernel: Kernel) -> Result<Pipeline, GpuError> {
-    let info = kernel.info();
+fn compile(device: &Device, loading: Loading, kernel: DeviceKernel) -> Result<Pipeline, GpuError> {
+    let name = kernel.name();
     let params = BindingType::Buffer {
         ty: BufferBindingType::Storage { read_only: true },
         has_dynamic_offset: true,
-        min_binding_size: BufferSize::new(info.params.size() as u64),
+        min_binding_size: BufferSize::new(kernel.params_size() as u64),
     };
-    let bound = info.bound.iter().enumerate().map(|(k, bound)| entry(k as u32 + 1, binding_type(bound.access)));
+    let bound = (1..).zip(kernel.accesses()).map(|(binding, access)| entry(binding, binding_type(access)));
     let entries: Vec<_> = [entry(0, params)].into_iter().chain(bound).collect();
-    guarded(device, info.name, || {
+    guarded(device, name, || {
         let layout =
-            device.create_bind_group_layout(&BindGroupLayoutDescriptor { label: Some(info.name), entries: &entries });
+            device.create_bind_group_layout(&BindGroupLayoutDescriptor { label: Some(name), entries: &entries });
         let module = load(device, loading, kernel);
         let pipeline_layout = device.create_pipeline_layout(&PipelineLayoutDescriptor {
-            label: Some(info.name),
+            label: Some(name),
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
         let pipeline = device.create_compute_pipeline(&ComputePipelineDescriptor {
-            label: Some(info.name),
+            label: Some(name),
             layout: Some(&pipeline_layout),
             module: &module,
-            entry_point: Some(info.name),
+            entry_point: Some(name),
             compilation_options: PipelineCompilationOptions::default(),
             cache: None,
         });

@@ -11,11 +11,7 @@ use std::{
     sync::Arc,
 };
 
-use umbra4_core::{
-    kernel::{Kernel, WORKGROUP},
-    params::Dispatched,
-    stage::Stage,
-};
+use umbra4_core::{kernel::WORKGROUP, params::Dispatched, stage::Stage};
 use wgpu::{
     BindGroup, BindGroupDescriptor, BindGroupEntry, BindingResource, Buffer, BufferBinding, BufferDescriptor,
     BufferSize, BufferUsages, CommandEncoder, ComputePass, ComputePassDescriptor, Device, Extent3d, Origin3d,
@@ -24,7 +20,7 @@ use wgpu::{
 };
 
 use crate::{
-    GpuError,
+    DeviceKernel, GpuError,
     error::guarded,
     pipelines::{Loading, Pipeline, Pipelines},
     timing::Timing,
@@ -72,7 +68,7 @@ impl Resource {
 }
 
 /// A kernel over resources.
-type Bound = (Kernel, Vec<Resource>);
+type Bound = (DeviceKernel, Vec<Resource>);
 
 /// Encodings after which a bind group that none of them used is let go, with the resources that it holds.
 const AGE: u64 = 64;
@@ -88,7 +84,7 @@ struct Group {
 #[derive(Debug)]
 struct Dispatch {
     bound: Bound,
-    stage: Stage,
+    stage: &'static str,
     pipeline: Arc<Pipeline>,
     groups: [u32; 2],
     /// As many slots as it takes.
@@ -108,7 +104,7 @@ enum Step {
 pub(crate) struct Recorder {
     device: Device,
     pipelines: Pipelines,
-    stage: Stage,
+    stage: &'static str,
     steps: Vec<Step>,
     groups: HashMap<Bound, Group>,
     encodings: u64,
@@ -122,7 +118,7 @@ impl Recorder {
         Self {
             device: device.clone(),
             pipelines: Pipelines::new(loading),
-            stage: Stage::SnapVertices,
+            stage: Stage::SnapVertices.info().name,
             steps: Vec::new(),
             groups: HashMap::new(),
             encodings: 0,
@@ -144,8 +140,8 @@ impl Recorder {
         self.timing = timing;
     }
 
-    /// The stage that what follows belongs to.
-    pub(crate) fn set_stage(&mut self, stage: Stage) {
+    /// The stage, by its name, that what follows belongs to.
+    pub(crate) fn set_stage(&mut self, stage: &'static str) {
         self.stage = stage;
     }
 
@@ -154,14 +150,14 @@ impl Recorder {
         self.steps.clear();
     }
 
-    /// A kernel for the ids `0..params.count()`, over resources in the order of the table of kernels.
+    /// A kernel for the ids `0..params.count()`, over resources in the order of its table.
     pub(crate) fn add<P: Dispatched + bytemuck::Pod>(
         &mut self,
-        kernel: Kernel,
+        kernel: impl Into<DeviceKernel>,
         params: P,
         bound: &[Resource],
     ) -> Result<(), GpuError> {
-        let count = params.count();
+        let (kernel, count) = (kernel.into(), params.count());
         if count == 0 {
             return Ok(());
         }
@@ -300,7 +296,7 @@ impl Recorder {
                     let stage = first.stage;
                     let timestamp_writes = timing.as_mut().and_then(|timing| timing.writes(stage));
                     let timed = timestamp_writes.is_some();
-                    let label = if timed { stage.info().name } else { "umbra4" };
+                    let label = if timed { stage } else { "umbra4" };
                     let mut pass =
                         encoder.begin_compute_pass(&ComputePassDescriptor { label: Some(label), timestamp_writes });
                     dispatch(&mut pass, groups, first, &mut place);
@@ -321,11 +317,10 @@ impl Recorder {
 
 fn bind(device: &Device, slots: &Buffer, Dispatch { bound, pipeline, .. }: &Dispatch) -> Result<BindGroup, GpuError> {
     let (kernel, resources) = bound;
-    let info = kernel.info();
     let params = BindingResource::Buffer(BufferBinding {
         buffer: slots,
         offset: 0,
-        size: BufferSize::new(info.params.size() as u64),
+        size: BufferSize::new(kernel.params_size() as u64),
     });
     let entries: Vec<BindGroupEntry<'_>> = [params]
         .into_iter()
@@ -333,9 +328,9 @@ fn bind(device: &Device, slots: &Buffer, Dispatch { bound, pipeline, .. }: &Disp
         .enumerate()
         .map(|(binding, resource)| BindGroupEntry { binding: binding as u32, resource })
         .collect();
-    guarded(device, info.name, || {
+    guarded(device, kernel.name(), || {
         device.create_bind_group(&BindGroupDescriptor {
-            label: Some(info.name),
+            label: Some(kernel.name()),
             layout: &pipeline.layout,
             entries: &entries,
         })

@@ -175,7 +175,7 @@ impl SoftShadows {
     ///
     /// # Errors
     /// The device fails.
-    pub fn stage_times(&self, queue: &Queue) -> Result<Vec<(Stage, f64)>, GpuError> {
+    pub fn stage_times(&self, queue: &Queue) -> Result<Vec<(&'static str, f64)>, GpuError> {
         let Some(timing) = self.recorder.timing().filter(|timing| !timing.stages().is_empty()) else {
             return Ok(Vec::new());
         };
@@ -228,7 +228,7 @@ impl SoftShadows {
         checked: &Checked,
         bounds: [IVec3; 2],
     ) -> Result<Option<Snapped>, GpuError> {
-        self.recorder.set_stage(Stage::SnapVertices);
+        self.recorder.set_stage(Stage::SnapVertices.info().name);
         self.recorder.clear(&self.status, 0);
         let planned: Vec<(MaskLayout, SceneFacts)> =
             checked.lights.iter().enumerate().map(|(k, own)| self.plan(frame, checked, own, k == 0)).collect();
@@ -329,7 +329,7 @@ impl SoftShadows {
     /// All pixels' from those of the blocks that have a receiver. `bound` is what the kernel is bound to.
     fn upsample(&mut self, kernel: Kernel, checked: &Checked, bound: &[Resource]) -> Result<(), GpuError> {
         let params = ViewParams { count: checked.pixels, ..checked.view.params };
-        self.recorder.set_stage(Stage::Reduce);
+        self.recorder.set_stage(Stage::Reduce.info().name);
         self.recorder.add(kernel, params, bound)
     }
 
@@ -381,7 +381,7 @@ impl SoftShadows {
             ..PassParams::default()
         };
         let params = <Params as bytemuck::Zeroable>::zeroed();
-        self.recorder.set_stage(Stage::Reduce);
+        self.recorder.set_stage(Stage::Reduce.info().name);
         self.recorder.add(Kernel::PackLight, params.with_pass(&pass), &[light, (&target).into()])?;
         self.recorder.copy_image(&target, 4 * pitch, texture, *layer);
         Ok(())
@@ -411,7 +411,7 @@ impl SoftShadows {
         let pass =
             PassParams { count: pitch * height, width, pitch, texels: format.pixels_a_word(), ..PassParams::default() };
         let params = <Params as bytemuck::Zeroable>::zeroed();
-        self.recorder.set_stage(Stage::Reduce);
+        self.recorder.set_stage(Stage::Reduce.info().name);
         match history {
             None => {
                 let table = self.table(samples, format)?;

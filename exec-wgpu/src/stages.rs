@@ -279,7 +279,7 @@ impl<E: Ends> Executor for Stages<'_, E> {
 
     fn dispatch(&mut self, pass: &Pass) -> Result<(), GpuError> {
         let Self { plan, layout, told, recorder, buffers, ends } = self;
-        recorder.set_stage(pass.stage);
+        recorder.set_stage(pass.stage.info().name);
         match pass.stage {
             Stage::SnapVertices => ends.snap_vertices(recorder, buffers)?,
             Stage::SnapReceivers => ends.snap_receivers(recorder, buffers, pass.first, pass.count)?,

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use umbra4_core::{Counts, stage::Stage};
+use umbra4_core::Counts;
 
 /// What a run did.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -11,7 +11,7 @@ pub struct Statistics {
     pub time: Duration,
     /// Pairs and fallbacks; `None` where they were not asked for ([`crate::WgpuExecutor::with_counts`]).
     pub counts: Option<Counts>,
-    /// Seconds of every stage that ran, as the device's timestamps have it; empty where they were not asked for
+    /// Seconds of every stage that ran, by its name, as the device's timestamps have it; empty where they were not asked for
     /// ([`crate::WgpuExecutor::with_stage_times`]), or where there are none.
-    pub stages: Vec<(Stage, f64)>,
+    pub stages: Vec<(&'static str, f64)>,
 }

@@ -1,6 +1,6 @@
 //! Time on the device, stage by stage: a compute pass for each, between two timestamps.
 
-use umbra4_core::stage::Stage;
+use umbra4_core::stage::TABLE;
 use wgpu::{
     Buffer, BufferDescriptor, BufferUsages, CommandEncoder, ComputePassTimestampWrites, Device, Features,
     QUERY_SET_MAX_QUERIES, QuerySet, QuerySetDescriptor, QueryType,
@@ -13,7 +13,7 @@ use crate::{GpuError, error::guarded};
 pub(crate) struct Timing {
     set: QuerySet,
     ticks: Buffer,
-    stages: Vec<Stage>,
+    stages: Vec<&'static str>,
 }
 
 impl Timing {
@@ -45,7 +45,7 @@ impl Timing {
     }
 
     /// The timestamps of the next pass; `None` once the set is full.
-    pub(crate) fn writes(&mut self, stage: Stage) -> Option<ComputePassTimestampWrites<'_>> {
+    pub(crate) fn writes(&mut self, stage: &'static str) -> Option<ComputePassTimestampWrites<'_>> {
         let first = 2 * self.stages.len() as u32;
         if first + 2 > QUERY_SET_MAX_QUERIES {
             return None;
@@ -72,25 +72,25 @@ impl Timing {
     }
 
     /// The stages of the run's passes, in order.
-    pub(crate) fn stages(&self) -> &[Stage] {
+    pub(crate) fn stages(&self) -> &[&'static str] {
         &self.stages
     }
 }
 
-/// Seconds that each stage took, in the order of the table of stages; those that did not run are missing. `period`: see
-/// [`wgpu::Queue::get_timestamp_period`].
-pub(crate) fn seconds(stages: &[Stage], ticks: &[u64], period: f32) -> Vec<(Stage, f64)> {
-    let mut sums: Vec<(Stage, f64)> = Vec::new();
+/// Seconds that each stage took, by name, in the order of the table of stages, after those that are none of the table's; those that did not run
+/// are missing. `period`: see [`wgpu::Queue::get_timestamp_period`].
+pub(crate) fn seconds(stages: &[&'static str], ticks: &[u64], period: f32) -> Vec<(&'static str, f64)> {
+    let mut sums: Vec<(&'static str, f64)> = Vec::new();
     for (stage, pass) in stages.iter().zip(ticks.chunks_exact(2)) {
         let time = pass[1].saturating_sub(pass[0]) as f64 * f64::from(period) * 1.0e-9;
-        add(&mut sums, *stage, time);
+        add(&mut sums, stage, time);
     }
-    sums.sort_by_key(|(stage, _)| *stage as u32);
+    sums.sort_by_key(|(stage, _)| TABLE.iter().position(|info| info.name == *stage));
     sums
 }
 
 /// Adds the seconds of a stage to those that it has taken already.
-pub(crate) fn add(sums: &mut Vec<(Stage, f64)>, stage: Stage, seconds: f64) {
+pub(crate) fn add(sums: &mut Vec<(&'static str, f64)>, stage: &'static str, seconds: f64) {
     match sums.iter_mut().find(|(known, _)| *known == stage) {
         Some((_, sum)) => *sum += seconds,
         None => sums.push((stage, seconds)),

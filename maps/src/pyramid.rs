@@ -91,8 +91,8 @@ fn node(nodes: &[Node], index: u32) -> Node {
 pub fn parent(nodes: &[Node], size: u32, level: u32, index: u32) -> Node {
     let (side, below) = (tiles(size) >> level, start(size, level - 1));
     let first = below + index / side * 2 * (side * 2) + index % side * 2;
-    let pair = |first: u32| node(nodes, first).with(node(nodes, first + 1));
-    pair(first).with(pair(first + side * 2))
+    let next = first + side * 2;
+    node(nodes, first).with(node(nodes, first + 1)).with(node(nodes, next).with(node(nodes, next + 1)))
 }
 
 /// The node of a tile.
@@ -111,6 +111,7 @@ pub fn around(nodes: &[Node], size: u32, x: [u32; 2], y: [u32; 2]) -> Node {
         level += 1;
     }
     let (first, side) = (start(size, level), tiles(size) >> level);
-    let at = |x: u32, y: u32| node(nodes, first + y * side + x);
-    at(x[0], y[0]).with(at(x[1], y[0])).with(at(x[0], y[1])).with(at(x[1], y[1]))
+    let (below, above) = (first + y[0] * side, first + y[1] * side);
+    let low = node(nodes, below + x[0]).with(node(nodes, below + x[1]));
+    low.with(node(nodes, above + x[0])).with(node(nodes, above + x[1]))
 }

@@ -1,5 +1,5 @@
-//! The kernels of umbra4 as SPIR-V entry points: nothing but bindings. What they do is `umbra4_core::kernel`; what they are
-//! bound to is its table, against which the compiled modules are checked.
+//! The kernels of umbra4 as SPIR-V entry points: nothing but bindings. What they do is `umbra4_core::kernel`, or `umbra4_maps::kernel`;
+//! what they are bound to is the table there, against which the compiled modules are checked.
 #![no_std]
 #![allow(clippy::too_many_arguments)]
 
@@ -26,6 +26,8 @@ use umbra4_core::{
     proj4::{KeyTile, Keys},
     shaft::BoxTile,
 };
+
+pub mod microquads;
 
 /// Kernels that make keys, of one kind of light.
 macro_rules! keys {

@@ -10,7 +10,9 @@ use umbra4_cpu::{
     maps::{
         Technique,
         kernel::microquads::{ROWS, build_parents, build_tiles, draw_map},
-        microquad::{Footprint, HalfSpaces, MapOptions, MicroOccluders, MicroquadError, MicroquadOptions},
+        microquad::{
+            Footprint, HalfSpaces, MapOptions, MicroOccluders, MicroquadError, MicroquadOptions, params::MapPass,
+        },
         pyramid::{self, Node},
     },
 };
@@ -118,18 +120,19 @@ fn kernels_draw_and_build_what_the_executor_does() {
         let vertices: Vec<[i32; 3]> = lit.occluders.vertices().iter().map(|v| v.to_array()).collect();
         let triangles = lit.occluders.triangles();
         let parts = size.div_ceil(ROWS);
-        let params = map.params().with_pass(triangles.len() as u32 * parts, u32::MAX, parts);
+        let pass = MapPass { count: triangles.len() as u32 * parts, number: parts, ..MapPass::default() };
+        let params = map.params().with_pass(&pass);
         let mut drawn = vec![0; texels.len()];
-        for id in 0..params.count() + 3 {
-            draw_map(id, &params, &vertices, triangles, |index, word| drawn[index] = word.max(drawn[index]));
+        for id in 0..pass.count as usize + 3 {
+            draw_map(id, &params, &vertices, triangles, &mut drawn, |texel, word| *texel = word.max(*texel));
         }
         assert_eq!(drawn, texels);
 
         let mut built = vec![Node::default(); nodes.len()];
         for level in 0..pyramid::levels(size) {
             let count = pyramid::start(size, level + 1) - pyramid::start(size, level);
-            let params = map.params().with_pass(count, u32::MAX, level);
-            for id in 0..count + 3 {
+            let params = map.params().with_pass(&MapPass { count, number: level, ..MapPass::default() });
+            for id in 0..count as usize + 3 {
                 match level {
                     0 => build_tiles(id, &params, texels, &mut built),
                     _ => build_parents(id, &params, &mut built),

@@ -1,11 +1,11 @@
-//! The SPIR-V that users get: up to date, bound as core's table says, and open to browsers.
+//! The SPIR-V that users get: up to date, bound as the tables say, and open to browsers.
 
 use std::path::Path;
 
 use naga::{AddressSpace, ImageClass, ScalarKind, StorageAccess, TypeInner, back::wgsl, front::spv, valid};
 use sha2::{Digest, Sha256};
-use umbra4_core::kernel::{Access, KernelInfo, TABLE, WORKGROUP};
-use umbra4_wgpu::{code, manifest};
+use umbra4_core::kernel::{Access, WORKGROUP};
+use umbra4_wgpu::{DeviceKernel, code, manifest};
 
 #[path = "../../shaders-rust/generate/src/inputs.rs"]
 mod inputs;
@@ -19,12 +19,12 @@ fn parsed() -> serde_json::Value {
 }
 
 /// A kernel as naga reads it, validated for any device.
-fn module(info: &KernelInfo) -> (naga::Module, valid::ModuleInfo) {
+fn module(kernel: DeviceKernel) -> (naga::Module, valid::ModuleInfo) {
     let options = spv::Options { strict_capabilities: true, ..spv::Options::default() };
-    let module = spv::parse_u8_slice(code(info.kernel), &options).unwrap_or_else(|e| panic!("{}: {e}", info.name));
+    let module = spv::parse_u8_slice(code(kernel), &options).unwrap_or_else(|e| panic!("{}: {e}", kernel.name()));
     // No capability beyond those of WebGPU.
     let mut validator = valid::Validator::new(valid::ValidationFlags::all(), valid::Capabilities::empty());
-    let found = validator.validate(&module).unwrap_or_else(|e| panic!("{}: {e:?}", info.name));
+    let found = validator.validate(&module).unwrap_or_else(|e| panic!("{}: {e:?}", kernel.name()));
     (module, found)
 }
 
@@ -34,19 +34,23 @@ fn the_modules_are_compiled_from_these_sources() {
     assert_eq!(
         parsed()["inputs"],
         now,
-        "core or the shaders have changed: compile the kernels again, as the README says under \"Kernels\""
+        "core, the maps or the shaders have changed: compile the kernels again, as the README says under \"Kernels\""
     );
 }
 
 #[test]
 fn a_changed_source_is_noticed() {
     let folder = std::env::temp_dir().join(format!("umbra4-inputs-{}", std::process::id()));
-    for file in ["core/Cargo.toml", "core/src/a.rs", "shaders-rust/Cargo.toml", "shaders-rust/Cargo.lock"] {
+    for file in
+        ["core/Cargo.toml", "core/src/a.rs", "maps/Cargo.toml", "shaders-rust/Cargo.toml", "shaders-rust/Cargo.lock"]
+    {
         let path = folder.join(file);
         std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder can be made");
         std::fs::write(path, "one\n").expect("a file can be written");
     }
-    std::fs::create_dir_all(folder.join("shaders-rust/src")).expect("a folder can be made");
+    for sources in ["maps/src", "shaders-rust/src"] {
+        std::fs::create_dir_all(folder.join(sources)).expect("a folder can be made");
+    }
     let before = inputs::hash(&folder).expect("the files are there");
     assert_eq!(before, inputs::hash(&folder).expect("the files are there"));
     std::fs::write(folder.join("core/src/a.rs"), "two\n").expect("a file can be written");
@@ -61,22 +65,22 @@ fn a_changed_source_is_noticed() {
 fn the_modules_are_those_of_the_manifest() {
     let manifest = parsed();
     let modules = manifest["modules"].as_array().expect("a list");
-    assert_eq!(modules.len(), TABLE.len());
-    for (entry, info) in modules.iter().zip(&TABLE) {
-        assert_eq!(entry["entry_point"], info.name);
+    assert_eq!(modules.len(), DeviceKernel::all().count());
+    for (entry, kernel) in modules.iter().zip(DeviceKernel::all()) {
+        assert_eq!(entry["entry_point"], kernel.name());
         assert_eq!(entry["workgroup"], WORKGROUP);
-        assert_eq!(entry["sha256"], inputs::hexadecimal(&Sha256::digest(code(info.kernel))), "{}", info.name);
+        assert_eq!(entry["sha256"], inputs::hexadecimal(&Sha256::digest(code(kernel))), "{}", kernel.name());
     }
 }
 
 #[test]
-fn the_modules_are_bound_as_the_table_says() {
-    for info in &TABLE {
-        let (module, found) = module(info);
+fn the_modules_are_bound_as_the_tables_say() {
+    for kernel in DeviceKernel::all() {
+        let (module, found) = module(kernel);
         let entry = &module.entry_points[0];
         assert_eq!(module.entry_points.len(), 1);
-        assert_eq!(entry.name, info.name);
-        assert_eq!(entry.workgroup_size, [WORKGROUP, 1, 1], "{}", info.name);
+        assert_eq!(entry.name, kernel.name());
+        assert_eq!(entry.workgroup_size, [WORKGROUP, 1, 1], "{}", kernel.name());
         let mut bindings: Vec<(u32, Access)> = module
             .global_variables
             .iter()
@@ -91,9 +95,9 @@ fn the_modules_are_bound_as_the_table_says() {
                             (ScalarKind::Float, true) => Access::Samples,
                             (ScalarKind::Uint, false) => Access::Ids,
                             (ScalarKind::Uint, true) => Access::IdSamples,
-                            _ => panic!("{}: a texture of {kind:?}", info.name),
+                            _ => panic!("{}: a texture of {kind:?}", kernel.name()),
                         },
-                        _ => panic!("{}: neither a buffer nor a texture", info.name),
+                        _ => panic!("{}: neither a buffer nor a texture", kernel.name()),
                     },
                     _ => return None,
                 };
@@ -103,21 +107,20 @@ fn the_modules_are_bound_as_the_table_says() {
             })
             .collect();
         bindings.sort_unstable_by_key(|(binding, _)| *binding);
-        let expected = info.bound.iter().map(|bound| bound.access);
-        let expected: Vec<(u32, Access)> = (0..).zip([Access::Read].into_iter().chain(expected)).collect();
-        assert_eq!(bindings, expected, "{}", info.name);
+        let expected: Vec<(u32, Access)> = (0..).zip([Access::Read].into_iter().chain(kernel.accesses())).collect();
+        assert_eq!(bindings, expected, "{}", kernel.name());
     }
 }
 
 #[test]
 fn every_module_translates_to_wgsl() {
-    for info in &TABLE {
-        let (module, found) = module(info);
+    for kernel in DeviceKernel::all() {
+        let (module, found) = module(kernel);
         let text = wgsl::write_string(&module, &found, wgsl::WriterFlags::empty())
-            .unwrap_or_else(|error| panic!("{}: {error}", info.name));
-        let again = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}: {error}", info.name));
+            .unwrap_or_else(|error| panic!("{}: {error}", kernel.name()));
+        let again = naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{}: {error}", kernel.name()));
         valid::Validator::new(valid::ValidationFlags::all(), valid::Capabilities::empty())
             .validate(&again)
-            .unwrap_or_else(|error| panic!("{}: {error:?}", info.name));
+            .unwrap_or_else(|error| panic!("{}: {error:?}", kernel.name()));
     }
 }

@@ -39,13 +39,13 @@ pub use table::{Access, Bound, Kernel, KernelInfo, ParamsKind, Slot, TABLE, WORK
 
 /// Element `index`, or `absent` where there is none.
 #[inline(always)]
-fn fetch<T: Copy>(from: &[T], index: usize, absent: T) -> T {
+pub fn fetch<T: Copy>(from: &[T], index: usize, absent: T) -> T {
     if index < from.len() { from[index] } else { absent }
 }
 
 /// Writes element `index`, if there is one.
 #[inline(always)]
-fn store<T: Copy>(to: &mut [T], index: usize, value: T) {
+pub fn store<T: Copy>(to: &mut [T], index: usize, value: T) {
     if index < to.len() {
         to[index] = value;
     }
@@ -56,7 +56,7 @@ pub const NOWHERE: [i32; 3] = [i32::MIN; 3];
 
 /// A lattice point; `None` where there is none.
 #[inline(always)]
-fn point(from: &[[i32; 3]], index: usize) -> Option<glam::IVec3> {
+pub fn point(from: &[[i32; 3]], index: usize) -> Option<glam::IVec3> {
     let p = fetch(from, index, NOWHERE);
     if p[0] == i32::MIN { None } else { Some(glam::IVec3::new(p[0], p[1], p[2])) }
 }

@@ -10,52 +10,52 @@ use crate::{
     params::Params,
     precision::PrecisionMode,
     proj4::{KeyTile, Keys, NOTHING},
-    row_mask::{MASK_ROWS, MaskRows, is_full},
+    row_mask::is_full,
     stage::resolve::{Group, resolve_among},
 };
 
 /// A mask word of which a GPU makes words of 32 bits.
 pub trait DeviceWord: MaskWord {
     /// Word `k` of a mask in memory. `halves`: rows are stored as words of 16 bits.
-    fn stored(mask: &MaskRows<Self>, rows: usize, k: usize, halves: bool) -> u32;
+    fn stored<const N: usize>(mask: &[Self; N], rows: usize, k: usize, halves: bool) -> u32;
     /// The inverse: puts word `k` into the rows that it holds.
-    fn load(mask: &mut MaskRows<Self>, k: usize, halves: bool, word: u32);
+    fn load<const N: usize>(mask: &mut [Self; N], k: usize, halves: bool, word: u32);
 }
 
 #[inline(always)]
-fn row<W: MaskWord>(mask: &MaskRows<W>, rows: usize, row: usize) -> W {
-    if row < rows { mask[row % MASK_ROWS] } else { W::EMPTY }
+fn row<W: MaskWord, const N: usize>(mask: &[W; N], rows: usize, row: usize) -> W {
+    if row < rows { mask[row % N] } else { W::EMPTY }
 }
 
 impl DeviceWord for u32 {
     #[inline(always)]
-    fn stored(mask: &MaskRows<Self>, rows: usize, k: usize, halves: bool) -> u32 {
+    fn stored<const N: usize>(mask: &[Self; N], rows: usize, k: usize, halves: bool) -> u32 {
         if halves { row(mask, rows, 2 * k) | row(mask, rows, 2 * k + 1) << 16 } else { row(mask, rows, k) }
     }
 
     #[inline(always)]
-    fn load(mask: &mut MaskRows<Self>, k: usize, halves: bool, word: u32) {
+    fn load<const N: usize>(mask: &mut [Self; N], k: usize, halves: bool, word: u32) {
         if halves {
-            mask[2 * k % MASK_ROWS] = word & 0xffff;
+            mask[2 * k % N] = word & 0xffff;
             // Beyond an odd number of rows lie full words.
-            let odd = (2 * k + 1) % MASK_ROWS;
+            let odd = (2 * k + 1) % N;
             mask[odd] = if mask[odd] == 0 { word >> 16 } else { mask[odd] };
         } else {
-            mask[k % MASK_ROWS] = word;
+            mask[k % N] = word;
         }
     }
 }
 
 impl DeviceWord for PairWord {
     #[inline(always)]
-    fn stored(mask: &MaskRows<Self>, rows: usize, k: usize, _: bool) -> u32 {
+    fn stored<const N: usize>(mask: &[Self; N], rows: usize, k: usize, _: bool) -> u32 {
         let word = row(mask, rows, k / 2);
         if k & 1 == 0 { word.low } else { word.high }
     }
 
     #[inline(always)]
-    fn load(mask: &mut MaskRows<Self>, k: usize, _: bool, word: u32) {
-        let row = k / 2 % MASK_ROWS;
+    fn load<const N: usize>(mask: &mut [Self; N], k: usize, _: bool, word: u32) {
+        let row = k / 2 % N;
         if k & 1 == 0 {
             mask[row].low = word;
         } else {
@@ -153,7 +153,7 @@ pub fn resolve_counted<W: DeviceWord, P: PrecisionMode, S: Samples>(
 
 /// Rounds that a loop of `rounds` rounds runs: fewer where a driver has stopped the thread.
 #[inline(always)]
-pub(super) fn rounds_run(most: u32) -> u32 {
+pub fn rounds_run(most: u32) -> u32 {
     let mut rounds = 0;
     while rounds < most {
         rounds += 1;

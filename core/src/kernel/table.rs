@@ -263,34 +263,46 @@ pub enum Access {
 
 /// A storage buffer or texture of a kernel. The k-th has binding k + 1, in set 0; binding 0 are the parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Bound {
+pub struct Bound<S = Slot> {
     /// What it holds.
-    pub slot: Slot,
+    pub slot: S,
     /// What is done to it.
     pub access: Access,
 }
 
-/// One line of the table of kernels.
+impl<S> Bound<S> {
+    /// A buffer that is only read.
+    pub const fn read(slot: S) -> Self {
+        Self { slot, access: Access::Read }
+    }
+
+    /// A buffer that is written.
+    pub const fn write(slot: S) -> Self {
+        Self { slot, access: Access::Write }
+    }
+}
+
+/// One line of a table of kernels: of this crate's, or of another crate's with kernels, stages, parameters and buffers of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct KernelInfo {
+pub struct KernelInfo<K = Kernel, G = Stage, P = ParamsKind, S: 'static = Slot> {
     /// The kernel.
-    pub kernel: Kernel,
+    pub kernel: K,
     /// Name of its entry point.
     pub name: &'static str,
     /// The stage that it belongs to; the sort's kernels belong to both that order, and no stage runs the probe.
-    pub stage: Stage,
+    pub stage: G,
     /// What it is told.
-    pub params: ParamsKind,
+    pub params: P,
     /// Its storage buffers and textures.
-    pub bound: &'static [Bound],
+    pub bound: &'static [Bound<S>],
 }
 
 const fn read(slot: Slot) -> Bound {
-    Bound { slot, access: Access::Read }
+    Bound::read(slot)
 }
 
 const fn write(slot: Slot) -> Bound {
-    Bound { slot, access: Access::Write }
+    Bound::write(slot)
 }
 
 const RESOLVE_COUNTED: &[Bound] = &[

@@ -1,6 +1,9 @@
 //! Kernels of [`crate::microquad`]: draw the map, build its pyramid, gather.
 
-use umbra4_core::glam::IVec3;
+use umbra4_core::{
+    glam::IVec3,
+    kernel::{fetch, point, store},
+};
 
 use crate::{
     draw,
@@ -9,33 +12,31 @@ use crate::{
 };
 
 /// Rows of a map that a thread draws of one triangle.
-pub const ROWS: u32 = 16;
+pub const ROWS: u32 = 8;
 
 #[inline(always)]
 fn corner(vertices: &[[i32; 3]], index: u32) -> Option<IVec3> {
-    let index = index as usize;
-    if index < vertices.len() { Some(IVec3::from_array(vertices[index])) } else { None }
+    point(vertices, index as usize)
 }
 
-/// The texels of one triangle that lie in one part of the map's rows. Id: triangle by triangle, parts of [`ROWS`] rows each;
-/// the parameters' number is that of parts a triangle. `draw(index, word)` keeps the greater of both words.
+/// The texels of one triangle that lie in one part of the map's rows. Id: triangle by triangle from the pass's first on, parts of [`ROWS`] rows
+/// each; the pass's number is that of parts a triangle. `keep` makes a word of the map the greater of itself and another; many threads may
+/// do so at once.
 #[inline(always)]
 pub fn draw_map(
-    id: u32,
+    id: usize,
     params: &MicroquadParams,
     vertices: &[[i32; 3]],
     triangles: &[[u32; 3]],
-    mut draw: impl FnMut(usize, u32),
+    map: &mut [u32],
+    keep: impl Fn(&mut u32, u32),
 ) {
-    let parts = params.number();
-    if id >= params.count() || parts == 0 {
+    let (pass, size) = (params.pass(), params.frame().size());
+    if id >= pass.count as usize || pass.number == 0 {
         return;
     }
-    let (triangle, part) = ((id / parts) as usize, id % parts);
-    if triangle >= triangles.len() {
-        return;
-    }
-    let [i, j, k] = triangles[triangle];
+    let (triangle, part) = (pass.first + id as u32 / pass.number, id as u32 % pass.number);
+    let [i, j, k] = fetch(triangles, triangle as usize, [u32::MAX; 3]);
     if let (Some(p), Some(q), Some(r)) = (corner(vertices, i), corner(vertices, j), corner(vertices, k)) {
         let a = params.arithmetic();
         let drawing = draw::set_up(a, params.frame(), [p, q, r]);
@@ -45,9 +46,9 @@ pub fn draw_map(
         while y < end {
             let mut x = drawing.columns[0];
             while x < drawing.columns[1] {
-                let word = drawing.texel(a, x, y);
-                if word != 0 {
-                    draw((y * params.frame().size() + x) as usize, word);
+                let (word, index) = (drawing.texel(a, x, y), (y * size + x) as usize);
+                if word != 0 && index < map.len() {
+                    keep(&mut map[index], word);
                 }
                 x += 1;
             }
@@ -58,18 +59,18 @@ pub fn draw_map(
 
 /// Node `id` of level 0.
 #[inline(always)]
-pub fn build_tiles(id: u32, params: &MicroquadParams, map: &[u32], nodes: &mut [Node]) {
-    if id < params.count() && (id as usize) < nodes.len() {
-        nodes[id as usize] = pyramid::tile(map, params.frame().size(), id);
+pub fn build_tiles(id: usize, params: &MicroquadParams, map: &[u32], nodes: &mut [Node]) {
+    if id < params.pass().count as usize {
+        store(nodes, id, pyramid::tile(map, params.frame().size(), id as u32));
     }
 }
 
-/// Node `id` of the level that is the parameters' number.
+/// Node `id` of the level that is the pass's number.
 #[inline(always)]
-pub fn build_parents(id: u32, params: &MicroquadParams, nodes: &mut [Node]) {
-    let (size, level) = (params.frame().size(), params.number());
-    let index = (pyramid::start(size, level) + id) as usize;
-    if id < params.count() && level > 0 && index < nodes.len() {
-        nodes[index] = pyramid::parent(nodes, size, level, id);
+pub fn build_parents(id: usize, params: &MicroquadParams, nodes: &mut [Node]) {
+    let (pass, size) = (params.pass(), params.frame().size());
+    if id < pass.count as usize && pass.number > 0 {
+        let index = pyramid::start(size, pass.number) as usize + id;
+        store(nodes, index, pyramid::parent(nodes, size, pass.number, id as u32));
     }
 }

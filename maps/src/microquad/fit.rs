@@ -203,6 +203,7 @@ pub fn params(options: &MicroquadOptions, light: &LatticeLight, tangents: &Tange
     let vector = |v: [f64; 4]| Vec4::from_array(v.map(|x| x as f32));
     MicroquadParams {
         pass: UVec4::ZERO,
+        part: UVec4::ZERO,
         counts: UVec4::new(light.rows, light.columns, kind, directions),
         table: UVec4::new(distances, if light.columns > 32 { 2 } else { 1 }, 0, 0),
         frame,

@@ -2,7 +2,7 @@
 //! and WGSL.
 
 use glam::{IVec3, IVec4, UVec4, Vec4};
-use umbra4_core::{LatticeLight, jitter::Jitter};
+use umbra4_core::{LatticeLight, jitter::Jitter, params::Dispatched};
 
 use crate::{arithmetic::Arithmetic, shadow_map::MapFrame};
 
@@ -10,8 +10,10 @@ use crate::{arithmetic::Arithmetic, shadow_map::MapFrame};
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct MicroquadParams {
-    /// Ids; ids a row; a number that each kernel reads in its own way; and 0 ([`Arithmetic`]).
+    /// See [`MapPass`]: ids; ids a row; the kernel's own number; and 0 ([`Arithmetic`]).
     pub(crate) pass: UVec4,
+    /// See [`MapPass`]: first element; words of a mask; first tile and number of tiles.
+    pub(crate) part: UVec4,
     /// Rows and columns of samples; kind of micro-occluders; directions of the table.
     pub(crate) counts: UVec4,
     /// Distances of the table, and words of 32 bits that a row takes there; the others are 0.
@@ -32,34 +34,58 @@ pub struct MicroquadParams {
     pub(crate) step_v: IVec4,
 }
 
+/// What is different in every pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MapPass {
+    /// Ids there are: `0..count`. Threads beyond do nothing.
+    pub count: u32,
+    /// What each kernel reads in its own way.
+    pub number: u32,
+    /// The receiver, or triangle, that the first id stands for.
+    pub first: u32,
+    /// Words of 32 bits that a receiver's mask takes.
+    pub stride: u32,
+    /// First of the tiles of its search area that a receiver looks at, row by row.
+    pub tile: u32,
+    /// How many.
+    pub tiles: u32,
+}
+
+impl Dispatched for MicroquadParams {
+    #[inline(always)]
+    fn count(&self) -> u32 {
+        self.pass.x
+    }
+
+    #[inline(always)]
+    fn row(&self) -> u32 {
+        self.pass.y
+    }
+
+    fn with_row(mut self, row: u32) -> Self {
+        self.pass.y = row;
+        self
+    }
+}
+
 /// Kinds of micro-occluders, as kernels are told.
 pub(crate) const PATCHES: u32 = 0;
 pub(crate) const QUADS: u32 = 1;
 pub(crate) const TRIS: u32 = 2;
 
 impl MicroquadParams {
-    /// The same for a pass of `count` ids in rows of `row`; `number` is the kernel's own.
+    /// The same for one pass. How its ids are laid out in rows is told by [`Dispatched::with_row`].
     #[must_use]
-    pub fn with_pass(self, count: u32, row: u32, number: u32) -> Self {
-        Self { pass: UVec4::new(count, row, number, 0), ..self }
+    pub fn with_pass(self, pass: &MapPass) -> Self {
+        let MapPass { count, number, first, stride, tile, tiles } = *pass;
+        Self { pass: UVec4::new(count, u32::MAX, number, 0), part: UVec4::new(first, stride, tile, tiles), ..self }
     }
 
-    /// Ids of the pass.
+    /// The pass.
     #[inline(always)]
-    pub fn count(&self) -> u32 {
-        self.pass.x
-    }
-
-    /// The kernel's own number.
-    #[inline(always)]
-    pub fn number(&self) -> u32 {
-        self.pass.z
-    }
-
-    /// The id of a thread.
-    #[inline(always)]
-    pub fn id(&self, thread: [u32; 3]) -> u32 {
-        thread[1].wrapping_mul(self.pass.y).wrapping_add(thread[0])
+    pub fn pass(&self) -> MapPass {
+        let (pass, part) = (self.pass, self.part);
+        MapPass { count: pass.x, number: pass.z, first: part.x, stride: part.y, tile: part.z, tiles: part.w }
     }
 
     /// Sums and products.

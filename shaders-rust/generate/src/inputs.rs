@@ -1,4 +1,4 @@
-//! What the SPIR-V is made from, as one hash: the sources of core and of the shaders, and the lock file of the latter.
+//! What the SPIR-V is made from, as one hash: the sources of core, of the maps and of the shaders, and the lock file of the latter.
 
 use std::{
     fs, io,
@@ -8,8 +8,15 @@ use std::{
 use sha2::{Digest, Sha256};
 
 /// Files and folders, from the root of the repository.
-const INPUTS: [&str; 5] =
-    ["core/Cargo.toml", "core/src", "shaders-rust/Cargo.toml", "shaders-rust/Cargo.lock", "shaders-rust/src"];
+const INPUTS: [&str; 7] = [
+    "core/Cargo.toml",
+    "core/src",
+    "maps/Cargo.toml",
+    "maps/src",
+    "shaders-rust/Cargo.toml",
+    "shaders-rust/Cargo.lock",
+    "shaders-rust/src",
+];
 
 /// The hash of all inputs, in hexadecimal: of each file's path and contents, in the order of the paths.
 ///

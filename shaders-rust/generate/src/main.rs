@@ -3,6 +3,7 @@
 use std::{
     env,
     error::Error,
+    fmt::Debug,
     fs,
     path::{Path, PathBuf},
     process::Command,
@@ -11,7 +12,8 @@ use std::{
 use serde_json::json;
 use sha2::{Digest, Sha256};
 use spirv_builder::{ModuleResult, SpirvBuilder, SpirvMetadata};
-use umbra4_core::kernel::{KernelInfo, TABLE, WORKGROUP};
+use umbra4_core::kernel::{self, Bound, KernelInfo, WORKGROUP};
+use umbra4_maps::kernel as map_kernel;
 
 mod inputs;
 
@@ -31,11 +33,11 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     fs::create_dir_all(&folder)?;
     let mut entries = Vec::new();
-    for info in &TABLE {
-        let path = modules.iter().find(|(name, _)| name == info.name).map(|(_, path)| path);
-        let code = fs::read(path.ok_or_else(|| format!("kernel {} has no entry point", info.name))?)?;
-        fs::write(folder.join(format!("{}.spv", info.name)), &code)?;
-        entries.push(entry(info, &code));
+    for (name, bindings) in kernel::TABLE.iter().map(line).chain(map_kernel::TABLE.iter().map(line)) {
+        let path = modules.iter().find(|(entry, _)| entry == name).map(|(_, path)| path);
+        let code = fs::read(path.ok_or_else(|| format!("kernel {name} has no entry point"))?)?;
+        fs::write(folder.join(format!("{name}.spv")), &code)?;
+        entries.push(entry(name, &bindings, &code));
     }
     let version = Command::new("rustc").env("RUSTUP_TOOLCHAIN", &toolchain).arg("--version").output()?;
     let manifest = json!({
@@ -63,11 +65,15 @@ fn compile(root: &Path, toolchain: &str, backend: PathBuf) -> Result<Vec<(String
     }
 }
 
-fn entry(info: &KernelInfo, code: &[u8]) -> serde_json::Value {
-    let bindings: Vec<String> =
-        info.bound.iter().map(|bound| format!("{:?}: {:?}", bound.slot, bound.access).to_lowercase()).collect();
+/// The entry point of a line of any table, and what it is bound to.
+fn line<K, G, P, S: Debug>(info: &KernelInfo<K, G, P, S>) -> (&'static str, Vec<String>) {
+    let text = |Bound { slot, access }: &Bound<S>| format!("{slot:?}: {access:?}").to_lowercase();
+    (info.name, info.bound.iter().map(text).collect())
+}
+
+fn entry(name: &str, bindings: &[String], code: &[u8]) -> serde_json::Value {
     json!({
-        "entry_point": info.name,
+        "entry_point": name,
         "workgroup": WORKGROUP,
         "bindings": bindings,
         "sha256": inputs::hexadecimal(&Sha256::digest(code)),
