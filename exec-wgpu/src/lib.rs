@@ -9,6 +9,7 @@ mod device_kernel;
 mod error;
 mod executor;
 mod frame;
+mod from_maps;
 mod gpu;
 mod host;
 mod image;
@@ -33,6 +34,7 @@ pub use frame::{
     Emitted, Frame, GBuffer, History, Image, Indices, Instances, Lamp, Light, LightImage, Mesh, Resolution, Surface,
     Vertices,
 };
+pub use from_maps::StochasticShadows;
 pub use gpu::{AdapterReport, Choice, Gpu, adapters};
 pub use image::VisibilityFormat;
 pub use modules::{code, manifest};

@@ -17,8 +17,6 @@ pub mod kernel;
 pub mod microquad;
 pub mod pyramid;
 pub mod shadow_map;
-// No kernels are compiled from it yet.
-#[cfg(not(target_arch = "spirv"))]
 pub mod stochastic;
 #[cfg(not(target_arch = "spirv"))]
 pub mod technique;

@@ -16,6 +16,7 @@ pub mod confusion;
 pub mod elementary;
 #[cfg(not(target_arch = "spirv"))]
 pub mod fit;
+pub(crate) mod float;
 pub mod gather;
 pub mod lookup;
 pub mod moments;
@@ -26,7 +27,6 @@ pub mod params;
 pub mod placement;
 pub mod reproject;
 pub mod resolve;
-pub(crate) mod slice;
 pub mod strata;
 pub mod thin_lens;
 pub mod tiles;

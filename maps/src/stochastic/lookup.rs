@@ -2,16 +2,16 @@
 //! (the paper: by depth), in which the width of penumbrae is linear. What is interpolated are moments; the receiver's own depth comes in last.
 
 use glam::{IVec3, Vec3};
-use umbra4_core::Facing;
+use umbra4_core::{Facing, kernel::fetch};
 
-use crate::stochastic::{gather::Gathered, moments, params::LensParams, slice::fetch};
+use crate::stochastic::{float::larger, gather::Gathered, moments, params::LensParams};
 
 /// By how much a receiver at inverse depth `at` takes the plane: 1 on it, 0 on the planes beside it; 1 beyond the outermost ones.
 #[inline(always)]
 pub fn plane_weight(params: &LensParams, at: f32) -> f32 {
     let away = at - params.plane;
     let other = if away > 0.0 { params.before } else { params.behind } - params.plane;
-    if other == 0.0 { 1.0 } else { (1.0 - away / other).max(0.0) }
+    if other == 0.0 { 1.0 } else { larger(1.0 - away / other, 0.0) }
 }
 
 /// Where a receiver, light frame, lies in the map, texels. `None` behind the light, and where the map ends.

@@ -6,7 +6,11 @@ use umbra4_core::{Jitter, LatticeLight, params::Dispatched};
 
 #[cfg(not(target_arch = "spirv"))]
 use crate::stochastic::options::{Basis, Centers, Footprint, StochasticOptions};
-use crate::stochastic::{area_frame::AreaFrame, thin_lens::ThinLens};
+use crate::stochastic::{
+    area_frame::AreaFrame,
+    float::{larger, within},
+    thin_lens::ThinLens,
+};
 
 /// Set in [`LensParams::flags`]: footprints are rectangles.
 pub const RECTANGULAR: u32 = 1;
@@ -221,13 +225,13 @@ impl LensParams {
     /// Texels a unit of tangent along the axis that has more of them.
     #[inline(always)]
     pub fn widest_scale(&self) -> f32 {
-        self.scale[0].max(self.scale[1])
+        larger(self.scale[0], self.scale[1])
     }
 
     /// Depth as it is filtered, in −1..=1.
     #[inline(always)]
     pub fn z(&self, depth: f32) -> f32 {
-        ((depth - self.zero) * self.depth_scale - 1.0).clamp(-1.0, 1.0)
+        within((depth - self.zero) * self.depth_scale - 1.0, -1.0, 1.0)
     }
 
     /// Whether a flag is set.

@@ -1,10 +1,11 @@
 //! Samples move to a plane (sections 6 and 7.4): each to the texel where its ray crosses it. Several may land in one, none in another; those of one
 //! are a list, and are merged into their mean, with their number for a weight.
 
+use umbra4_core::kernel::fetch;
+
 use crate::stochastic::{
     elementary::{Elementary, sample},
     params::LensParams,
-    slice::fetch,
     strata,
 };
 

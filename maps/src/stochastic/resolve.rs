@@ -4,10 +4,11 @@
 //! The paper smooths by a box of 3 × 3. With 1-2-1 each of the four classes of texels that interleaving tells apart weighs the same, whichever is in the
 //! middle: their noise is gone, not only fainter.
 
+use umbra4_core::kernel::fetch;
+
 use crate::stochastic::{
     gather::Gathered,
     params::{LensParams, SMOOTHED},
-    slice::fetch,
 };
 
 /// What was gathered around texel (`column`, `row`) of the level, smoothed where that is asked for. Beyond the border, the border's.

@@ -2,13 +2,14 @@
 //! merged. A tile says in bits what is needed of it.
 
 use glam::IVec3;
+use umbra4_core::kernel::fetch;
 
 use crate::stochastic::{
     elementary::Elementary,
+    float::larger,
     gather::{self, Gathered, kept_share},
     lookup,
     params::{ACTIVE_TILES, LensParams},
-    slice::fetch,
 };
 
 /// Texels along each side of a tile.
@@ -176,7 +177,7 @@ pub fn widest(id: usize, params: &LensParams, samples: &[Elementary]) -> f32 {
         if x < size && y < size {
             let sample = fetch(samples, (start + y * size + x) as usize, Elementary::NONE);
             if sample.weight > 0.0 && kept_share(params, sample.radius) > 0.0 {
-                widest = widest.max(sample.radius);
+                widest = larger(widest, sample.radius);
             }
         }
         k += 1;
@@ -198,7 +199,7 @@ pub fn search_radius(id: usize, params: &LensParams, widest: &[f32]) -> i32 {
     while k < 9 {
         let (x, y) = (column + k % 3 - 1, row + k / 3 - 1);
         if x >= 0 && y >= 0 && x < across && y < across {
-            most = most.max(fetch(widest, (start + y * across + x) as usize, NOTHING_KEPT));
+            most = larger(most, fetch(widest, (start + y * across + x) as usize, NOTHING_KEPT));
         }
         k += 1;
     }

@@ -1,11 +1,12 @@
 //! The levels of a plane: coarser samples from finer ones, how far each level has to look, what it gathers, and all put together.
 
+use umbra4_core::kernel::store;
+
 use crate::stochastic::{
     elementary::Elementary,
     gather::{Gathered, coarser},
     params::LensParams,
     resolve::resolved,
-    slice::store,
     tiles::{self, ACTIVE, DATA, has, tile_in_level, tile_of, tiles_start},
 };
 

@@ -1,8 +1,9 @@
 //! The map itself: triangles in the light frame, the tree over them, and the nearest hit of every texel.
 
+use umbra4_core::kernel::{fetch, store};
+
 use crate::stochastic::{
     params::LensParams,
-    slice::{fetch, store},
     trace::{self, Corners, Node},
     tree::Tree,
 };

@@ -1,9 +1,11 @@
-//! Kernels of [`crate::stochastic`]. Of each id they fetch, call the function that holds the arithmetic, and store.
+//! Kernels of [`crate::stochastic`]. Of each id they fetch, call the function that holds the arithmetic, and store. [`passes`] says in which order they run.
 //!
 //! Ids of a level's kernels are its texels, or its tiles; the parameters name the level.
 
 pub mod levels;
 pub mod light_field;
+#[cfg(not(target_arch = "spirv"))]
+pub mod passes;
 pub mod radii;
 pub mod receivers;
 pub mod samples;

@@ -1,10 +1,11 @@
 //! Radii of the finest level, raised by closest occluders: in steps, since each reads what the one before has found of neighbours.
 
+use umbra4_core::kernel::{fetch, store};
+
 use crate::stochastic::{
     closest::{closest, filtered_with},
     elementary::Elementary,
     params::LensParams,
-    slice::{fetch, store},
     tiles::{MERGED, has, tile_of},
 };
 

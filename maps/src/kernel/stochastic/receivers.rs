@@ -1,14 +1,12 @@
 //! Receivers: what planes say of them, and what they see in the end.
 
 use glam::IVec3;
-use umbra4_core::Facing;
-
-use crate::stochastic::{
-    gather::Gathered,
-    lookup,
-    params::LensParams,
-    slice::{fetch, store},
+use umbra4_core::{
+    Facing,
+    kernel::{fetch, store},
 };
+
+use crate::stochastic::{gather::Gathered, lookup, params::LensParams};
 
 #[inline(always)]
 fn point(receivers: &[[i32; 3]], id: usize) -> IVec3 {

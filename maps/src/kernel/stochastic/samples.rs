@@ -1,10 +1,11 @@
 //! Samples move to a plane: each is put at the head of the list of the texel where it lands, and lists are merged.
 
+use umbra4_core::kernel::store;
+
 use crate::stochastic::{
     elementary::Elementary,
     params::LensParams,
     reproject::{END, landing, on_plane},
-    slice::store,
     tiles::{MERGED, has, tile_of},
 };
 

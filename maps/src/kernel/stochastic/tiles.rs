@@ -2,10 +2,10 @@
 //! `set(word, bits)` is atomic where there are several threads.
 
 use glam::IVec3;
+use umbra4_core::kernel::fetch;
 
 use crate::stochastic::{
     params::LensParams,
-    slice::fetch,
     tiles::{ACTIVE, DATA, MERGED, active_above, holds_data, is_merged, tiles_across, tiles_looked_at, tiles_start},
 };
 
