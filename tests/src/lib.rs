@@ -13,6 +13,7 @@
 //! | [`hard_shadows`], [`weights`], [`clouds`] | lights without extent; emissions; clouds of samples |
 //! | [`facings`] | receivers that face some way |
 //! | [`gpu`], [`device`] | the executor on a GPU, for the suite; an engine's buffers and textures |
+//! | [`flicker`] | do neighbouring frames differ as exact ones do? |
 //! | [`alone`] | one kernel alone, on a device and on the host |
 //! | [`serial_maps`] | all kernels of stochastic soft shadow maps, on the host |
 //! | [`suite`], [`ledger`] | one suite, instantiated per word width and executor, and its totals |
@@ -24,6 +25,7 @@ pub mod compare;
 pub mod device;
 pub mod facings;
 pub mod filtered;
+pub mod flicker;
 pub mod gpu;
 pub mod grids;
 pub mod hard_cases;

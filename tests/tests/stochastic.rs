@@ -4,6 +4,7 @@ use umbra4_core::glam::{DVec3, Vec3};
 use umbra4_cpu::{CpuExecutor, ExecutorError, Occluders, Receivers};
 use umbra4_maps::stochastic::{Basis, Centers, Footprint, Placement, StochasticError, StochasticOptions};
 use umbra4_tests::{
+    flicker::{flicker, moved},
     grids::two_grids,
     rng::Rng,
     scene::{Inputs, WorldScene},
@@ -178,17 +179,12 @@ fn a_moving_light_hardly_flickers() {
     let scene = two_grids(0.3, 32, 16);
     let excess = |size: u32| {
         let frame = |k: u32| {
-            let corner = scene.corner + DVec3::new(0.01 * f64::from(k), 0.0, 0.004 * f64::from(k));
-            let inputs = WorldScene { corner, ..scene.clone() }.inputs();
+            let inputs = moved(&scene, k).inputs();
             let options = StochasticOptions { size, planes: 1, ..StochasticOptions::default() };
             (shadows(&inputs, &options), exact(&inputs))
         };
         let frames: Vec<_> = (0..4).map(frame).collect();
-        let changes = frames.windows(2).map(|pair| {
-            let change = |a: &[f32], b: &[f32]| -> Vec<f32> { a.iter().zip(b).map(|(a, b)| b - a).collect() };
-            error(&change(&pair[0].0, &pair[1].0), &change(&pair[0].1, &pair[1].1))
-        });
-        changes.sum::<f64>() / 3.0
+        flicker(&frames).noise
     };
     let noise = [64, 256].map(excess);
     println!("noise between frames: {noise:?}");

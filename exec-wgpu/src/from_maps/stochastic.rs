@@ -29,6 +29,7 @@ use crate::{
     readback::read,
     recorder::{Recorder, Resource},
     scratch::Scratch,
+    stages::FACINGS,
     submit::submit,
 };
 
@@ -201,7 +202,7 @@ impl Buffers {
         fit(MapSlot::Gathered, "gathered moments", all_levels, size_of::<Gathered>())?;
         fit(MapSlot::Resolved, "resolved moments", all_levels, size_of::<Gathered>())?;
         fit(MapSlot::Receivers, "receivers", points, size_of::<IVec3>())?;
-        fit(MapSlot::Facings, crate::stages::FACINGS, receivers.facings.len() as u64, size_of::<Facing>())?;
+        fit(MapSlot::Facings, FACINGS, receivers.facings.len() as u64, size_of::<Facing>())?;
         fit(MapSlot::Sums, "moments of receivers", points, size_of::<Gathered>())?;
         fit(MapSlot::Visibility, "filtered visibility", points, size_of::<f32>())?;
         Ok(Self(own))
