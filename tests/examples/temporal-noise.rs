@@ -1,7 +1,7 @@
 //! A table of temporal noise under a moving light: difference images of successive frames of a stochastic soft shadow map against those of exact
 //! visibility, with the same seed in all frames, and with a new one in each.
 //!
-//! `cargo run --release -p umbra4-tests --bin temporal-noise [FRAMES]`
+//! `cargo run --release -p umbra4-tests --example temporal-noise [FRAMES]`
 
 use std::{env, error::Error};
 
