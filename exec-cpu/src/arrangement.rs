@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use umbra4_core::glam::IVec3;
 
 use crate::{
-    morton::{Curve, along},
+    morton::{along, curve_through},
     neighbours::Neighbours,
 };
 
@@ -44,7 +44,7 @@ fn gathered(vertices: &[IVec3], which: &[u32]) -> Vec<IVec3> {
 
 /// Triangles along a Morton curve through the box around the vertices, by their middles.
 fn along_curve(vertices: &[IVec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    let curve = Curve::through(vertices, 3);
+    let curve = curve_through(vertices, 3);
     let place = |index: usize| curve.place(triangles[index].map(|vertex| vertices[vertex as usize]));
     along(triangles.len(), place).par_iter().map(|index| triangles[*index as usize]).collect()
 }

@@ -18,11 +18,12 @@ use umbra4_core::{
     },
 };
 use umbra4_cpu_kernels::{CloudKernels, Detected};
+use umbra4_maps::curve::Curve;
 
 use crate::{
     ExecutorError, Occluders, Receivers, Statistics,
     cloud_triangles::{self, CloudTriangles},
-    morton::{Curve, along},
+    morton::{along, curve_through},
 };
 
 /// Groups a job.
@@ -62,7 +63,7 @@ impl<'a, T: CloudKernels, V: Fn(usize, &CloudMask, u32) + Sync> CloudRun<'a, T, 
             visit,
             order: Vec::new(),
             triangles: CloudTriangles::default(),
-            curve: Curve::through(&[], 1),
+            curve: curve_through(&[], 1),
             settled: Vec::new(),
             receiver_order: Vec::new(),
             statistics: Statistics::default(),
@@ -154,7 +155,7 @@ impl<T: CloudKernels, V: Fn(usize, &CloudMask, u32) + Sync> Executor for CloudRu
             Stage::KeyTriangles => self.key_triangles(),
             Stage::OrderTriangles => self.order_triangles(),
             Stage::BuildLevel => self.triangles.build_level(self.input.plan.levels(), first),
-            Stage::KeyReceivers => self.curve = Curve::through(&self.input.receivers.points()[first..first + count], 1),
+            Stage::KeyReceivers => self.curve = curve_through(&self.input.receivers.points()[first..first + count], 1),
             Stage::SettleReceivers => self.settle_receivers(first, count),
             Stage::OrderReceivers => self.order_receivers(first, count),
             Stage::ResolveCloud => self.resolve(first),

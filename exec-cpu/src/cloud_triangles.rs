@@ -13,7 +13,7 @@ use umbra4_core::{
 
 use crate::{
     Occluders,
-    morton::{Curve, along},
+    morton::{along, curve_through},
 };
 
 /// Leaves, or nodes, that are worth a job.
@@ -21,7 +21,7 @@ const NODES_A_JOB: usize = 64;
 
 /// The order of triangles along a curve through the scene, by their middles.
 pub(crate) fn order(scene: &Occluders) -> Vec<u32> {
-    let curve = Curve::through(scene.vertices(), 3);
+    let curve = curve_through(scene.vertices(), 3);
     along(scene.triangles().len(), |id| scene.corners(id).map_or(0, |corners| curve.place(corners)))
 }
 

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 use umbra4_core::{LatticeError, LightError, PunctualLightError};
-use umbra4_maps::microquad::MicroquadError;
+use umbra4_maps::{microquad::MicroquadError, stochastic::StochasticError};
 use wgpu::{Device, ErrorFilter};
 
 /// Why the GPU does not answer, or a call is refused.
@@ -82,6 +82,9 @@ pub enum GpuError {
         /// Bits of the word.
         bits: u32,
     },
+    /// Options of a stochastic soft shadow map are outside their ranges.
+    #[error(transparent)]
+    Stochastic(#[from] StochasticError),
     /// Something that the engine hands over cannot be used.
     #[error("{field} is {value}: {needs}")]
     Field {

@@ -34,7 +34,7 @@ pub use frame::{
     Emitted, Frame, GBuffer, History, Image, Indices, Instances, Lamp, Light, LightImage, Mesh, Resolution, Surface,
     Vertices,
 };
-pub use from_maps::ShadowMap;
+pub use from_maps::{ShadowMap, StochasticShadows};
 pub use gpu::{AdapterReport, Choice, Gpu, adapters};
 pub use image::VisibilityFormat;
 pub use modules::{code, manifest};

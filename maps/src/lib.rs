@@ -10,13 +10,13 @@
 #![forbid(unsafe_code)]
 
 pub mod arithmetic;
+#[cfg(not(target_arch = "spirv"))]
+pub mod curve;
 pub mod draw;
 pub mod kernel;
 pub mod microquad;
 pub mod pyramid;
 pub mod shadow_map;
-// No kernels are compiled from it yet.
-#[cfg(not(target_arch = "spirv"))]
 pub mod stochastic;
 #[cfg(not(target_arch = "spirv"))]
 pub mod technique;

@@ -16,19 +16,22 @@ pub mod confusion;
 pub mod elementary;
 #[cfg(not(target_arch = "spirv"))]
 pub mod fit;
+pub(crate) mod float;
 pub mod gather;
 pub mod lookup;
 pub mod moments;
+#[cfg(not(target_arch = "spirv"))]
 pub mod options;
 pub mod params;
+#[cfg(not(target_arch = "spirv"))]
 pub mod placement;
 pub mod reproject;
 pub mod resolve;
-pub(crate) mod slice;
 pub mod strata;
 pub mod thin_lens;
 pub mod tiles;
 pub mod trace;
 pub mod tree;
 
+#[cfg(not(target_arch = "spirv"))]
 pub use options::{Basis, Centers, Footprint, Placement, StochasticError, StochasticOptions};

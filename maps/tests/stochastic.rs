@@ -105,7 +105,7 @@ fn options(size: u32) -> StochasticOptions {
 /// A map of tangents within ±0.6 × ±0.4, in focus at depth 5, of receivers between depths 4 and 8.
 fn params(light: &LatticeLight, options: &StochasticOptions, triangles: u32) -> LensParams {
     let lens = ThinLens::covering([Vec2::new(-0.6, -0.4), Vec2::new(0.6, 0.4)], 0.2, options.size);
-    LensParams::new(&AreaFrame::new(light), &lens, DepthRange { near: 4.0, far: 8.0 }, options, triangles)
+    LensParams::new(light, &lens, DepthRange { near: 4.0, far: 8.0 }, options, triangles)
 }
 
 fn any(options: &StochasticOptions) -> LensParams {

@@ -29,6 +29,7 @@ use umbra4_core::{
 };
 
 pub mod microquads;
+pub mod stochastic;
 
 /// Kernels that make keys, of one kind of light.
 macro_rules! keys {

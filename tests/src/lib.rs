@@ -7,13 +7,16 @@
 //! | [`bigint`] | the same rule in big integers: checks the oracle |
 //! | [`second_oracle`] | the masks on the unsnapped world coordinates, exactly: checks the snap |
 //! | [`compare`] | are two results the same bits? |
-//! | [`scene`], [`scenes`], [`meshes`], [`grids`] | scenes in lattice integers or world floats, deterministic |
+//! | [`filtered`] | are two lists of filtered visibility the same, but for what floats decide? |
+//! | [`scene`], [`scenes`], [`meshes`], [`grids`], [`slab`] | scenes in lattice integers or world floats, deterministic |
 //! | [`hard_cases`] | the named cases, each with what must hold beyond equality with the oracle |
 //! | [`hard_shadows`], [`weights`], [`clouds`] | lights without extent; emissions; clouds of samples |
 //! | [`facings`] | receivers that face some way |
 //! | [`spheres`] | a scene and options for the approximate family |
 //! | [`gpu`], [`device`] | the executor on a GPU, for the suite; an engine's buffers and textures |
+//! | [`flicker`] | do neighbouring frames differ as exact ones do? |
 //! | [`alone`] | one kernel alone, on a device and on the host |
+//! | [`serial_maps`] | all kernels of stochastic soft shadow maps, on the host |
 //! | [`suite`], [`ledger`] | one suite, instantiated per word width and executor, and its totals |
 
 pub mod alone;
@@ -22,6 +25,8 @@ pub mod clouds;
 pub mod compare;
 pub mod device;
 pub mod facings;
+pub mod filtered;
+pub mod flicker;
 pub mod gpu;
 pub mod grids;
 pub mod hard_cases;
@@ -34,6 +39,8 @@ pub mod scene;
 pub mod scenes;
 pub mod second_oracle;
 pub mod spheres;
+pub mod serial_maps;
+pub mod slab;
 pub mod suite;
 pub mod weights;
 

@@ -3,6 +3,7 @@
 use umbra4_core::PairWord;
 use umbra4_tests::{
     compare::{Amount, Compared, Mismatch, bits_of, compare_masks, compare_visibility, lit_counts},
+    filtered::{Agreement, Disagreement, SHARE, TOLERANCE, agree},
     hard_cases::Check,
     ledger::Ledger,
     scene::Inputs,
@@ -207,4 +208,31 @@ fn the_hard_cases_fail_for_a_wrong_executor() {
 #[should_panic(expected = "only 10 bits were compared")]
 fn a_suite_that_compares_too_little_fails() {
     Ledger::new(1, 11).enter("nobody", Compared { bits: 10, blocked: 5 });
+}
+
+#[test]
+fn filtered_visibility_that_disagrees_is_noticed() {
+    let expected: Vec<f32> = (0..1000).map(|k| k as f32 / 1000.0).collect();
+    let same = agree(&expected, &expected, 0.0).expect("the same");
+    assert_eq!(same, Agreement { receivers: 1000, ..Agreement::default() });
+    let moved = |count: usize, by: f32| {
+        let mut got = expected.clone();
+        got.iter_mut().take(count).for_each(|v| *v += by);
+        got
+    };
+    // Within the tolerance, all may differ.
+    let near = agree(&expected, &moved(1000, TOLERANCE * 0.2), 0.0).expect("near");
+    assert!(near.differing == 1000 && near.beyond == 0 && near.largest > 0.0);
+    // Beyond it, as many as the share allows.
+    assert!(agree(&expected, &moved(1, 0.1), 0.0).is_err());
+    assert_eq!(agree(&expected, &moved(2, 0.1), SHARE).map(|a| a.beyond), Ok(2));
+    assert!(matches!(agree(&expected, &moved(3, 0.1), SHARE), Err(Disagreement::Beyond(a)) if a.beyond == 3));
+    assert_eq!(agree(&expected, &expected[1..], 1.0), Err(Disagreement::Length { expected: 1000, got: 999 }));
+    assert_eq!(agree(&[], &[], 1.0), Err(Disagreement::Empty));
+    for wrong in [f32::NAN, f32::INFINITY, -0.1, 1.1] {
+        let mut got = expected.clone();
+        got[7] = wrong;
+        assert!(matches!(agree(&expected, &got, 1.0), Err(Disagreement::NoFraction { receiver: 7, .. })));
+        assert!(matches!(agree(&got, &expected, 1.0), Err(Disagreement::NoFraction { receiver: 7, .. })));
+    }
 }

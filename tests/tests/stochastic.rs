@@ -4,9 +4,11 @@ use umbra4_core::glam::{DVec3, Vec3};
 use umbra4_cpu::{CpuExecutor, ExecutorError, Occluders, Receivers};
 use umbra4_maps::stochastic::{Basis, Centers, Footprint, Placement, StochasticError, StochasticOptions};
 use umbra4_tests::{
+    flicker::{flicker, moved},
     grids::two_grids,
     rng::Rng,
     scene::{Inputs, WorldScene},
+    slab::{slab_and_wall, with_receivers_in_the_air},
 };
 
 fn small() -> StochasticOptions {
@@ -30,33 +32,6 @@ fn exact(inputs: &Inputs) -> Vec<f32> {
 fn error(a: &[f32], b: &[f32]) -> f64 {
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).map(|(a, b)| f64::from((a - b).abs())).sum::<f64>() / a.len().max(1) as f64
-}
-
-/// A slab above a floor, and a wall that stands on it; receivers on the floor, some of them close to the wall.
-fn slab_and_wall(across: u32) -> WorldScene {
-    let mut vertices = Vec::new();
-    let mut triangles = Vec::new();
-    let mut quad = |corners: [[f32; 3]; 4]| {
-        let first = vertices.len() as u32;
-        vertices.extend(corners.map(Vec3::from_array));
-        triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
-    };
-    quad([[-4.0, 0.0, -4.0], [4.0, 0.0, -4.0], [4.0, 0.0, 4.0], [-4.0, 0.0, 4.0]]);
-    quad([[-1.2, 1.0, -0.7], [0.0, 1.0, -0.7], [0.0, 1.0, 0.7], [-1.2, 1.0, 0.7]]);
-    quad([[0.9, 0.0, -1.0], [0.9, 0.8, -1.0], [0.9, 0.8, 1.0], [0.9, 0.0, 1.0]]);
-    quad([[0.9, 0.8, -1.0], [1.2, 0.8, -1.0], [1.2, 0.8, 1.0], [0.9, 0.8, 1.0]]);
-    let at = |k: u32| 4.0 * (k as f32 + 0.5) / across as f32 - 2.0;
-    let receivers = (0..across * across).map(|k| Vec3::new(at(k % across), 1e-4, at(k / across))).collect();
-    let (corner, edge_u, edge_v) = (DVec3::new(-0.5, 3.0, -0.5), DVec3::X, DVec3::Z);
-    WorldScene { vertices, triangles, receivers, corner, edge_u, edge_v, rows: 16, columns: 16 }
-}
-
-/// Steps of receivers at several depths before the light, so that planes differ.
-fn with_receivers_in_the_air(mut scene: WorldScene, rng: &mut Rng) -> WorldScene {
-    for receiver in scene.receivers.iter_mut().step_by(2) {
-        receiver.y = (rng.unit() * 0.7 + 0.1) as f32;
-    }
-    scene
 }
 
 #[test]
@@ -204,17 +179,12 @@ fn a_moving_light_hardly_flickers() {
     let scene = two_grids(0.3, 32, 16);
     let excess = |size: u32| {
         let frame = |k: u32| {
-            let corner = scene.corner + DVec3::new(0.01 * f64::from(k), 0.0, 0.004 * f64::from(k));
-            let inputs = WorldScene { corner, ..scene.clone() }.inputs();
+            let inputs = moved(&scene, k).inputs();
             let options = StochasticOptions { size, planes: 1, ..StochasticOptions::default() };
             (shadows(&inputs, &options), exact(&inputs))
         };
         let frames: Vec<_> = (0..4).map(frame).collect();
-        let changes = frames.windows(2).map(|pair| {
-            let change = |a: &[f32], b: &[f32]| -> Vec<f32> { a.iter().zip(b).map(|(a, b)| b - a).collect() };
-            error(&change(&pair[0].0, &pair[1].0), &change(&pair[0].1, &pair[1].1))
-        });
-        changes.sum::<f64>() / 3.0
+        flicker(&frames).noise
     };
     let noise = [64, 256].map(excess);
     println!("noise between frames: {noise:?}");

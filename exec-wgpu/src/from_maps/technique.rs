@@ -27,7 +27,8 @@ impl WgpuExecutor {
     /// The fraction of the light that every receiver sees, by the technique of choice.
     ///
     /// # Errors
-    /// Those of [`WgpuExecutor::visibility`], or of [`WgpuExecutor::microquad_visibility`]; a technique that runs on processors only.
+    /// Those of [`WgpuExecutor::visibility`], of [`WgpuExecutor::microquad_visibility`], or of
+    /// [`WgpuExecutor::stochastic_shadows`].
     pub fn visibility_by<'a>(
         &self,
         technique: &Technique,
@@ -38,7 +39,10 @@ impl WgpuExecutor {
         match technique {
             Technique::Exact => self.visibility(scene, light, receivers),
             Technique::Microquads(options) => self.microquad_visibility(options, scene, light, receivers),
-            Technique::Stochastic(_) => Err(GpuError::NotOnDevices { technique: "a stochastic soft shadow map" }),
+            Technique::Stochastic(options) => {
+                let shadows = self.stochastic_shadows(scene, light, receivers, options)?;
+                Ok((shadows.visibility, shadows.statistics))
+            }
         }
     }
 }

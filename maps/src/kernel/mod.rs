@@ -5,6 +5,7 @@
 #![allow(clippy::too_many_arguments)]
 
 pub mod microquads;
+pub mod stochastic;
 mod table;
 
 pub use table::{BUILD_PYRAMID, DRAW_MAP, GATHER, MapKernel, MapKernelInfo, MapParamsKind, MapSlot, TABLE};

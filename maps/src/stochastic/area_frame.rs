@@ -1,6 +1,9 @@
 //! The light frame: oblique axes along the light's edges, in which every parallelogram is the square `−1..=1`.
 
-use glam::{DVec3, IVec3, Vec3};
+#[cfg(not(target_arch = "spirv"))]
+use glam::DVec3;
+use glam::{IVec3, Vec3};
+#[cfg(not(target_arch = "spirv"))]
 use umbra4_core::{LatticeLight, jitter::PLACES};
 
 /// Lattice → light frame.
@@ -18,6 +21,7 @@ pub struct AreaFrame {
 
 impl AreaFrame {
     /// That of a light: all of its cells, not only what lies between its outermost samples.
+    #[cfg(not(target_arch = "spirv"))]
     pub fn new(light: &LatticeLight) -> Self {
         let (step_u, step_v) = (light.step_u.as_dvec3(), light.step_v.as_dvec3());
         let places = if light.jitter.is_some() { f64::from(PLACES) } else { 1.0 };

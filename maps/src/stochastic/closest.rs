@@ -3,11 +3,14 @@
 //!
 //! Twelve neighbours within 32 texels stand for all. What they give is noisy, and smoothed.
 
+use umbra4_core::kernel::fetch;
+
 use crate::stochastic::{
     confusion::{covers, half_extents},
     elementary::Elementary,
+    float::{larger, smaller},
     params::{LensParams, PROJECTED, RECTANGULAR},
-    slice::fetch,
+    tiles::{self, DATA},
 };
 
 /// Neighbours that are asked.
@@ -53,7 +56,7 @@ pub fn closest(id: usize, params: &LensParams, samples: &[Elementary]) -> f32 {
         if x >= 0 && y >= 0 && x < size && y < size {
             let other = fetch(samples, (y * size + x) as usize, Elementary::NONE);
             if occludes(&other, &own, [(x - column) as f32, (y - row) as f32], params) {
-                least = least.min(other.radius);
+                least = smaller(least, other.radius);
             }
         }
         k += 1;
@@ -106,9 +109,24 @@ fn gauss(distance: i32) -> f32 {
     if distance < GAUSS.len() { GAUSS[distance] } else { 0.0 }
 }
 
-/// The radius that texel `id` is filtered with: ρ of section 5.2, but for the limit to what is raised.
+/// The radius that texel `id` is filtered with: ρ of section 5.2, but for the limit to what is raised. Of texels that nothing is gathered from
+/// (`tiles`), the sample's own.
+#[inline(always)]
+pub fn filtered_with(id: usize, params: &LensParams, tiles: &[u32], samples: &[Elementary], found: &[f32]) -> f32 {
+    if tiles::has(tiles::tile_of(id, params), DATA, params, tiles) {
+        raised(id, params, samples, found)
+    } else {
+        fetch(samples, id, Elementary::NONE).radius
+    }
+}
+
+/// The same of a texel that is gathered from.
 #[inline(always)]
 pub fn raised(id: usize, params: &LensParams, samples: &[Elementary], found: &[f32]) -> f32 {
     let own = fetch(samples, id, Elementary::NONE).radius;
-    if params.widest_raise > 0.0 { own.max(smoothed(id, params, samples, found).min(params.widest_raise)) } else { own }
+    if params.widest_raise > 0.0 {
+        larger(own, smaller(smoothed(id, params, samples, found), params.widest_raise))
+    } else {
+        own
+    }
 }

@@ -5,7 +5,10 @@
 
 use glam::Vec2;
 
-use crate::stochastic::params::LensParams;
+use crate::stochastic::{
+    float::{larger, within},
+    params::LensParams,
+};
 
 /// The larger half-extent, texels, of a sample at inverse depth `sample` on a plane at inverse depth `plane`. `scale` is
 /// [`LensParams::widest_scale`].
@@ -19,7 +22,7 @@ pub fn radius(scale: f32, sample: f32, plane: f32) -> f32 {
 #[inline(always)]
 pub fn half_extents(params: &LensParams, radius: f32, texel: f32) -> Vec2 {
     let least = params.least_radius * texel;
-    Vec2::new((radius * params.aspect[0]).max(least), (radius * params.aspect[1]).max(least))
+    Vec2::new(larger(radius * params.aspect[0], least), larger(radius * params.aspect[1], least))
 }
 
 /// Whether a place `x`, `y` away from its middle lies in a sample's footprint.
@@ -40,7 +43,7 @@ pub fn covers(rectangular: bool, half: Vec2, x: f32, y: f32) -> bool {
 pub fn coverage(rectangular: bool, half: Vec2, x: f32, y: f32, texel: f32) -> f32 {
     if rectangular {
         let (x, y) = ((half.x - x.abs()) / texel + 0.5, (half.y - y.abs()) / texel + 0.5);
-        x.clamp(0.0, 1.0) * y.clamp(0.0, 1.0)
+        within(x, 0.0, 1.0) * within(y, 0.0, 1.0)
     } else if covers(false, half, x, y) {
         1.0
     } else {

@@ -1,6 +1,8 @@
 //! Elementary occluders: what a texel of a filter plane holds.
 
-use crate::stochastic::{confusion, moments, params::LensParams, slice::fetch, strata, trace::MISS};
+use umbra4_core::kernel::fetch;
+
+use crate::stochastic::{confusion, moments, params::LensParams, strata, trace::MISS};
 
 /// Samples that were merged into one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]

@@ -1,7 +1,7 @@
 //! A map that fits a light and what it shines on: its window, its range of depths and its planes. On the host, once a run.
 
 use glam::{IVec3, Vec2, Vec3};
-use umbra4_core::LatticeLight;
+use umbra4_core::{Facing, LatticeLight};
 
 use crate::stochastic::{
     area_frame::AreaFrame,
@@ -14,7 +14,9 @@ use crate::stochastic::{
 /// A map for a light and receivers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
-    /// The light's frame.
+    /// The light.
+    pub light: LatticeLight,
+    /// Its frame.
     pub frame: AreaFrame,
     /// The camera: it holds, for every receiver within reach, all rays from the light to it.
     pub lens: ThinLens,
@@ -65,7 +67,7 @@ impl Fit {
             tangents = [tangents[0].min(tangent - away), tangents[1].max(tangent + away)];
         }
         let lens = ThinLens::covering(tangents, focus, options.size);
-        Ok(Some(Self { frame, lens, depths, planes, count }))
+        Ok(Some(Self { light: *light, frame, lens, depths, planes, count }))
     }
 
     /// Inverse depths of the planes, from the nearest to the farthest; no two are the same.
@@ -75,8 +77,13 @@ impl Fit {
 
     /// What kernels are told.
     pub fn params(&self, options: &StochasticOptions, triangles: u32) -> LensParams {
-        LensParams::new(&self.frame, &self.lens, self.depths, options, triangles)
+        LensParams::new(&self.light, &self.lens, self.depths, options, triangles)
     }
+}
+
+/// What a receiver sees where none is within reach: nothing from behind the light, or through its own surface; else all, about.
+pub fn unmapped(light: &LatticeLight, frame: &AreaFrame, point: IVec3, facing: Facing) -> f32 {
+    if frame.place(point).z > 0.0 && !facing.is_away_from(light, point) { 1.0 } else { 0.0 }
 }
 
 fn depth_range(places: impl Iterator<Item = Vec3>) -> Option<DepthRange> {

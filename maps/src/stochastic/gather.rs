@@ -1,12 +1,14 @@
 //! The pre-filter (sections 5.3 and 7.2): every texel of every level gathers the samples whose footprints hold it, within a fixed radius. What is too
 //! wide for a level goes to the next coarser one, continuously (eq. 8).
 
+use umbra4_core::kernel::fetch;
+
 use crate::stochastic::{
     confusion::{coverage, half_extents},
     elementary::Elementary,
+    float::{larger, within},
     moments::Moments,
     params::{INTERLEAVED, LensParams, PROJECTED, RECTANGULAR},
-    slice::fetch,
 };
 
 /// R_G: how far a texel looks, texels of its level.
@@ -50,7 +52,7 @@ impl Gathered {
 #[inline(always)]
 pub fn coarse_share(radius: f32) -> f32 {
     let reach = RADIUS as f32;
-    ((radius - 0.4 * reach) / (0.1 * reach)).clamp(0.0, 1.0)
+    within((radius - 0.4 * reach) / (0.1 * reach), 0.0, 1.0)
 }
 
 /// The share that a level keeps; the coarsest keeps all.
@@ -96,7 +98,7 @@ pub fn coarser(id: usize, params: &LensParams, samples: &[Elementary]) -> Elemen
 #[inline(always)]
 pub fn search_radius(params: &LensParams, widest: f32) -> i32 {
     let least = params.least_radius;
-    let widest = (widest / texel_width(params.level)).max(least);
+    let widest = larger(widest / texel_width(params.level), least);
     // A footprint's middle lies up to its radius away from the texel that holds it, and up to half a texel for having been merged.
     let reach = if params.is(PROJECTED) { 2.0 * widest + 2.0 } else { widest + 1.5 };
     if reach < RADIUS as f32 { reach as i32 } else { RADIUS }

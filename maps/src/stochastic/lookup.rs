@@ -2,15 +2,16 @@
 //! (the paper: by depth), in which the width of penumbrae is linear. What is interpolated are moments; the receiver's own depth comes in last.
 
 use glam::{IVec3, Vec3};
+use umbra4_core::{Facing, kernel::fetch};
 
-use crate::stochastic::{gather::Gathered, moments, params::LensParams, slice::fetch};
+use crate::stochastic::{float::larger, gather::Gathered, moments, params::LensParams};
 
 /// By how much a receiver at inverse depth `at` takes the plane: 1 on it, 0 on the planes beside it; 1 beyond the outermost ones.
 #[inline(always)]
 pub fn plane_weight(params: &LensParams, at: f32) -> f32 {
     let away = at - params.plane;
     let other = if away > 0.0 { params.before } else { params.behind } - params.plane;
-    if other == 0.0 { 1.0 } else { (1.0 - away / other).max(0.0) }
+    if other == 0.0 { 1.0 } else { larger(1.0 - away / other, 0.0) }
 }
 
 /// Where a receiver, light frame, lies in the map, texels. `None` behind the light, and where the map ends.
@@ -59,6 +60,19 @@ pub fn bilinear(x: f32, y: f32, params: &LensParams, plane: &[Gathered]) -> Gath
         k += 1;
     }
     sum.normalised()
+}
+
+/// Whether receiver `point` lies before the light, but not in the map.
+#[inline(always)]
+pub fn is_outside(point: IVec3, params: &LensParams) -> bool {
+    let placed = params.place(point);
+    placed.z > 0.0 && place_in_map(placed, params).is_none()
+}
+
+/// [`visibility`] of a receiver with a facing: as it is of the exact masks, no light reaches a surface from behind.
+#[inline(always)]
+pub fn seen(point: IVec3, facing: Facing, sum: &Gathered, params: &LensParams) -> f32 {
+    if facing.is_away_from(&params.light(), point) { 0.0 } else { visibility(point, sum, params) }
 }
 
 /// The fraction of light that receiver `point` sees, of what all planes said: nothing behind the light, all where no map reaches.

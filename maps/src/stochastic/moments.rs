@@ -2,6 +2,8 @@
 
 use glam::Vec2;
 
+use crate::stochastic::float::{larger, smaller};
+
 /// Moments: mean and mean square, of depth, or of `e^(c·z)` and then of `−e^(−c·z)`.
 pub type Moments = [f32; 4];
 
@@ -30,7 +32,7 @@ pub fn chebyshev(mean: f32, square: f32, at: f32, least_variance: f32) -> f32 {
     if beyond <= 0.0 {
         return 1.0;
     }
-    let variance = (square - mean * mean).max(least_variance);
+    let variance = larger(square - mean * mean, least_variance);
     // Scaled by what is beyond: squares of warped depths do not overflow in the sum. Both may be 0 where floats end.
     let spread = variance / beyond / beyond;
     if spread >= f32::MAX { 1.0 } else { spread / (spread + 1.0) }
@@ -45,7 +47,7 @@ pub fn visibility(exponent: f32, moments: &Moments, z: f32, least_deviation: f32
         let deviation = [exponent * least_deviation * up, exponent * least_deviation * down];
         let by_up = chebyshev(moments[0], moments[1], up, deviation[0] * deviation[0]);
         let by_down = chebyshev(moments[2], moments[3], down, deviation[1] * deviation[1]);
-        by_up.min(by_down)
+        smaller(by_up, by_down)
     } else {
         chebyshev(moments[0], moments[1], z, least_deviation * least_deviation)
     }

@@ -2,10 +2,13 @@
 //! SPIR-V and WGSL.
 
 use glam::{IVec3, Vec2, Vec3};
+use umbra4_core::{Jitter, LatticeLight, params::Dispatched};
 
+#[cfg(not(target_arch = "spirv"))]
+use crate::stochastic::options::{Basis, Centers, Footprint, StochasticOptions};
 use crate::stochastic::{
     area_frame::AreaFrame,
-    options::{Basis, Centers, Footprint, StochasticOptions},
+    float::{larger, within},
     thin_lens::ThinLens,
 };
 
@@ -24,7 +27,7 @@ pub const ACTIVE_TILES: u32 = 16;
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct LensParams {
-    /// See [`AreaFrame::origin`].
+    /// See [`AreaFrame::origin`]: the light's own.
     pub origin: [i32; 3],
     /// Texels along each side of the finest level.
     pub size: u32,
@@ -70,6 +73,14 @@ pub struct LensParams {
     pub before: f32,
     /// See [`LensParams::plane`]: the one farther from the light.
     pub behind: f32,
+    /// The light's step between columns, lattice.
+    pub step_u: [i32; 3],
+    /// Its step between rows.
+    pub step_v: [i32; 3],
+    /// Its rows and columns.
+    pub samples: [u32; 2],
+    /// 1 where its samples are jittered, else 0.
+    pub jittered: u32,
     /// The level that a kernel works on.
     pub level: u32,
     /// Ids there are: `0..count`.
@@ -89,14 +100,15 @@ pub struct DepthRange {
 
 impl LensParams {
     /// What all kernels of a map share. `options` have been checked.
+    #[cfg(not(target_arch = "spirv"))]
     pub fn new(
-        frame: &AreaFrame,
+        light: &LatticeLight,
         lens: &ThinLens,
         depths: DepthRange,
         options: &StochasticOptions,
         triangles: u32,
     ) -> Self {
-        let widest = lens.scale.max_element();
+        let (frame, widest) = (AreaFrame::new(light), lens.scale.max_element());
         let flag = |set: bool, flag: u32| if set { flag } else { 0 };
         let exponent = match options.basis {
             Basis::Variance => 0.0,
@@ -133,6 +145,10 @@ impl LensParams {
             plane: lens.focus,
             before: lens.focus,
             behind: lens.focus,
+            step_u: light.step_u.to_array(),
+            step_v: light.step_v.to_array(),
+            samples: [light.rows, light.columns],
+            jittered: light.jitter.is_some().into(),
             level: 0,
             count: 0,
             row: 0,
@@ -140,6 +156,7 @@ impl LensParams {
     }
 
     /// The same for plane `index` of `planes`, inverse depths from the nearest to the farthest.
+    #[cfg(not(target_arch = "spirv"))]
     #[must_use]
     pub fn with_plane(mut self, planes: &[f32], index: usize) -> Self {
         let own = planes.get(index).copied().unwrap_or(self.focus);
@@ -150,6 +167,7 @@ impl LensParams {
     }
 
     /// The same for one level.
+    #[inline(always)]
     #[must_use]
     pub fn with_level(self, level: u32) -> Self {
         Self { level, ..self }
@@ -161,12 +179,31 @@ impl LensParams {
         Self { count, ..self }
     }
 
+    /// The light, but for its pattern of jitter: what tells who faces away from it.
+    #[inline(always)]
+    pub fn light(&self) -> LatticeLight {
+        LatticeLight {
+            origin: whole(self.origin),
+            step_u: whole(self.step_u),
+            step_v: whole(self.step_v),
+            rows: self.samples[0],
+            columns: self.samples[1],
+            jitter: if self.jittered != 0 { Jitter::pattern(0) } else { Jitter::NONE },
+        }
+    }
+
+    /// Whether samples move to reach the plane: in focus they are there already.
+    #[inline(always)]
+    pub fn moves(&self) -> bool {
+        self.plane != self.focus
+    }
+
     /// The light's frame.
     #[inline(always)]
     pub fn place(&self, point: IVec3) -> Vec3 {
         let [u, v, n] = self.axes;
         let frame = AreaFrame {
-            origin: IVec3::new(self.origin[0], self.origin[1], self.origin[2]),
+            origin: whole(self.origin),
             axes: [three(u), three(v), three(n)],
             center: Vec3::new(self.center[0], self.center[1], 0.0),
             half_edges: [1.0; 2],
@@ -188,13 +225,13 @@ impl LensParams {
     /// Texels a unit of tangent along the axis that has more of them.
     #[inline(always)]
     pub fn widest_scale(&self) -> f32 {
-        self.scale[0].max(self.scale[1])
+        larger(self.scale[0], self.scale[1])
     }
 
     /// Depth as it is filtered, in −1..=1.
     #[inline(always)]
     pub fn z(&self, depth: f32) -> f32 {
-        ((depth - self.zero) * self.depth_scale - 1.0).clamp(-1.0, 1.0)
+        within((depth - self.zero) * self.depth_scale - 1.0, -1.0, 1.0)
     }
 
     /// Whether a flag is set.
@@ -222,13 +259,35 @@ impl LensParams {
     }
 }
 
+impl Dispatched for LensParams {
+    #[inline(always)]
+    fn count(&self) -> u32 {
+        self.count
+    }
+
+    #[inline(always)]
+    fn row(&self) -> u32 {
+        self.row
+    }
+
+    fn with_row(self, row: u32) -> Self {
+        Self { row, ..self }
+    }
+}
+
 /// Nearest hit over farthest receiver: what lies closer to the light's plane is not seen.
+#[cfg(not(target_arch = "spirv"))]
 const NEAREST: f32 = 1.0 / 65536.0;
 
 /// Texels along each side of a level: half as many as of the one below, rounded up.
 #[inline(always)]
 pub fn level_size(size: u32, level: u32) -> u32 {
     (size + (1 << level) - 1) >> level
+}
+
+#[inline(always)]
+fn whole(v: [i32; 3]) -> IVec3 {
+    IVec3::new(v[0], v[1], v[2])
 }
 
 #[inline(always)]

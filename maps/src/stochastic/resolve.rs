@@ -4,29 +4,26 @@
 //! The paper smooths by a box of 3 × 3. With 1-2-1 each of the four classes of texels that interleaving tells apart weighs the same, whichever is in the
 //! middle: their noise is gone, not only fainter.
 
+use umbra4_core::kernel::fetch;
+
 use crate::stochastic::{
     gather::Gathered,
     params::{LensParams, SMOOTHED},
-    slice::fetch,
 };
 
 /// What was gathered around texel (`column`, `row`) of the level, smoothed where that is asked for. Beyond the border, the border's.
 #[inline(always)]
 pub fn smoothed(column: i32, row: i32, params: &LensParams, gathered: &[Gathered]) -> Gathered {
     let (size, start) = (params.level_size(params.level) as i32, params.level_start(params.level) as i32);
-    let at = |x: i32, y: i32| {
-        let (x, y) = (clamped(x, size), clamped(y, size));
-        fetch(gathered, (start + y * size + x) as usize, Gathered::NONE)
-    };
     if !params.is(SMOOTHED) {
-        return at(column, row);
+        return nearest(column, row, size, start, gathered);
     }
     let mut sum = Gathered::NONE;
     let mut k = 0;
     while k < 9 {
         let (x, y) = (k % 3 - 1, k / 3 - 1);
         let weight = (if x == 0 { 0.5 } else { 0.25 }) * (if y == 0 { 0.5 } else { 0.25 });
-        sum = sum.plus(&at(column + x, row + y), weight);
+        sum = sum.plus(&nearest(column + x, row + y, size, start, gathered), weight);
         k += 1;
     }
     sum
@@ -53,15 +50,18 @@ pub fn upsampled(column: i32, row: i32, params: &LensParams, coarser: &[Gathered
     // A fine texel's middle is a quarter of a coarse texel away from its parent's.
     let (own_x, own_y) = (column / 2, row / 2);
     let (other_x, other_y) = (own_x + column % 2 * 2 - 1, own_y + row % 2 * 2 - 1);
-    let at = |x: i32, y: i32| {
-        let (x, y) = (clamped(x, size), clamped(y, size));
-        fetch(coarser, (start + y * size + x) as usize, Gathered::NONE)
-    };
     Gathered::NONE
-        .plus(&at(own_x, own_y), 0.75 * 0.75)
-        .plus(&at(other_x, own_y), 0.25 * 0.75)
-        .plus(&at(own_x, other_y), 0.75 * 0.25)
-        .plus(&at(other_x, other_y), 0.25 * 0.25)
+        .plus(&nearest(own_x, own_y, size, start, coarser), 0.75 * 0.75)
+        .plus(&nearest(other_x, own_y, size, start, coarser), 0.25 * 0.75)
+        .plus(&nearest(own_x, other_y, size, start, coarser), 0.75 * 0.25)
+        .plus(&nearest(other_x, other_y, size, start, coarser), 0.25 * 0.25)
+}
+
+/// The texel of a level, of `size` texels each way from `start` on, that is nearest to a place which may lie beyond the border.
+#[inline(always)]
+fn nearest(x: i32, y: i32, size: i32, start: i32, texels: &[Gathered]) -> Gathered {
+    let (x, y) = (clamped(x, size), clamped(y, size));
+    fetch(texels, (start + y * size + x) as usize, Gathered::NONE)
 }
 
 #[inline(always)]

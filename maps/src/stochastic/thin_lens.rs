@@ -38,6 +38,7 @@ impl Ray {
 
 impl ThinLens {
     /// Through all of `tangents` (least and largest), focused at inverse depth `focus`. Tangents that do not differ get a little room.
+    #[cfg(not(target_arch = "spirv"))]
     pub fn covering(tangents: [Vec2; 2], focus: f32, size: u32) -> Self {
         let [low, high] = tangents;
         let room = 1.0 / 1024.0 * (1.0 + low.abs().max(high.abs()).max_element());

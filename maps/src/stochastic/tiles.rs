@@ -2,13 +2,14 @@
 //! merged. A tile says in bits what is needed of it.
 
 use glam::IVec3;
+use umbra4_core::kernel::fetch;
 
 use crate::stochastic::{
     elementary::Elementary,
-    gather::{self, kept_share},
+    float::larger,
+    gather::{self, Gathered, kept_share},
     lookup,
-    params::LensParams,
-    slice::fetch,
+    params::{ACTIVE_TILES, LensParams},
 };
 
 /// Texels along each side of a tile.
@@ -39,12 +40,31 @@ pub fn tiles_start(params: &LensParams, level: u32) -> u32 {
     start
 }
 
-/// The tile of texel `id` of the level.
+/// The tile of texel `id` of the level, among those of the level.
 #[inline(always)]
-pub fn tile_of(id: usize, params: &LensParams) -> u32 {
+pub fn tile_in_level(id: usize, params: &LensParams) -> u32 {
     let size = params.level_size(params.level).max(1);
     let (column, row) = (id as u32 % size, id as u32 / size);
-    tiles_start(params, params.level) + row / TILE * tiles_across(params, params.level) + column / TILE
+    row / TILE * tiles_across(params, params.level) + column / TILE
+}
+
+/// The tile of texel `id` of the level, among those of all.
+#[inline(always)]
+pub fn tile_of(id: usize, params: &LensParams) -> u32 {
+    tiles_start(params, params.level) + tile_in_level(id, params)
+}
+
+/// Whether a tile, among those of all, has `bit`. Where tiles are not told apart, all have all.
+#[inline(always)]
+pub fn has(tile: u32, bit: u32, params: &LensParams, tiles: &[u32]) -> bool {
+    !params.is(ACTIVE_TILES) || fetch(tiles, tile as usize, 0) & bit != 0
+}
+
+/// The tiles of the finest level, least and largest column and row, that a receiver looks at: see [`looked_at`].
+#[inline(always)]
+pub fn tiles_looked_at(point: IVec3, params: &LensParams) -> Option<[u32; 4]> {
+    let [left, top, right, bottom] = looked_at(point, params)?;
+    Some([left / TILE, top / TILE, right / TILE, bottom / TILE])
 }
 
 /// The texels of the finest level that a receiver looks up on the plane, with those around them that are smoothed into them: least and largest column
@@ -157,7 +177,7 @@ pub fn widest(id: usize, params: &LensParams, samples: &[Elementary]) -> f32 {
         if x < size && y < size {
             let sample = fetch(samples, (start + y * size + x) as usize, Elementary::NONE);
             if sample.weight > 0.0 && kept_share(params, sample.radius) > 0.0 {
-                widest = widest.max(sample.radius);
+                widest = larger(widest, sample.radius);
             }
         }
         k += 1;
@@ -179,9 +199,16 @@ pub fn search_radius(id: usize, params: &LensParams, widest: &[f32]) -> i32 {
     while k < 9 {
         let (x, y) = (column + k % 3 - 1, row + k / 3 - 1);
         if x >= 0 && y >= 0 && x < across && y < across {
-            most = most.max(fetch(widest, (start + y * across + x) as usize, NOTHING_KEPT));
+            most = larger(most, fetch(widest, (start + y * across + x) as usize, NOTHING_KEPT));
         }
         k += 1;
     }
     if most < 0.0 { -1 } else { gather::search_radius(params, most) }
+}
+
+/// What texel `id` of the level, in tile `tile` of the level, gathers: see [`gather::gathered`].
+#[inline(always)]
+pub fn gathered(id: usize, tile: usize, params: &LensParams, widest: &[f32], samples: &[Elementary]) -> Gathered {
+    let search = search_radius(tile, params, widest);
+    if search < 0 { Gathered::NONE } else { gather::gathered(id, search, params, samples) }
 }

@@ -5,10 +5,11 @@
 //! a shared edge with opposite signs of one product: no ray slips between them.
 
 use glam::{IVec3, Vec3};
+use umbra4_core::kernel::fetch;
 
 use crate::stochastic::{
+    float::{larger, smaller},
     params::LensParams,
-    slice::fetch,
     strata,
     thin_lens::Ray,
     tree::{CHILDREN, Tree},
@@ -32,23 +33,32 @@ pub const MISS: f32 = f32::MAX;
 /// The corners of triangle `id`.
 #[inline(always)]
 pub fn corners(id: usize, params: &LensParams, vertices: &[[i32; 3]], triangles: &[[u32; 3]]) -> Corners {
-    let indices = fetch(triangles, id, [u32::MAX; 3]);
-    let missing = |index: u32| index as usize >= vertices.len();
-    if missing(indices[0]) || missing(indices[1]) || missing(indices[2]) {
+    let [i, j, k] = fetch(triangles, id, [u32::MAX; 3]);
+    let vertex_count = vertices.len();
+    if i as usize >= vertex_count || j as usize >= vertex_count || k as usize >= vertex_count {
         return NOWHERE;
     }
-    let placed = |index: u32| {
-        let p = fetch(vertices, index as usize, [0; 3]);
-        let p = params.place(IVec3::new(p[0], p[1], p[2]));
-        [p.x, p.y, p.z]
-    };
-    [placed(indices[0]), placed(indices[1]), placed(indices[2])]
+    [placed(i, params, vertices), placed(j, params, vertices), placed(k, params, vertices)]
+}
+
+#[inline(always)]
+fn placed(vertex: u32, params: &LensParams, vertices: &[[i32; 3]]) -> [f32; 3] {
+    let p = fetch(vertices, vertex as usize, [0; 3]);
+    let p = params.place(IVec3::new(p[0], p[1], p[2]));
+    [p.x, p.y, p.z]
 }
 
 /// The box around both.
 #[inline(always)]
 pub fn union(a: Node, b: Node) -> Node {
-    [a[0].min(b[0]), a[1].min(b[1]), a[2].min(b[2]), a[3].max(b[3]), a[4].max(b[4]), a[5].max(b[5])]
+    [
+        smaller(a[0], b[0]),
+        smaller(a[1], b[1]),
+        smaller(a[2], b[2]),
+        larger(a[3], b[3]),
+        larger(a[4], b[4]),
+        larger(a[5], b[5]),
+    ]
 }
 
 /// Node `id` of level 0: the box around four triangles.
@@ -92,17 +102,17 @@ pub fn parent(id: usize, level: u32, tree: &Tree, nodes: &[Node]) -> Node {
 /// moves a point of the ray.
 #[inline(always)]
 pub fn meets(node: &Node, ray: &Ray, near: f32, best: f32) -> bool {
-    let low = node[2].max(near);
-    let high = node[5].min(best);
+    let low = larger(node[2], near);
+    let high = smaller(node[5], best);
     if low > high {
         return false;
     }
     let (a, b) = (ray.at(low), ray.at(high));
-    let room = 1e-5 * (1.0 + a.x.abs().max(b.x.abs()).max(a.y.abs()).max(b.y.abs()));
-    a.x.min(b.x) - room <= node[3]
-        && a.x.max(b.x) + room >= node[0]
-        && a.y.min(b.y) - room <= node[4]
-        && a.y.max(b.y) + room >= node[1]
+    let room = 1e-5 * (1.0 + larger(larger(a.x.abs(), b.x.abs()), larger(a.y.abs(), b.y.abs())));
+    smaller(a.x, b.x) - room <= node[3]
+        && larger(a.x, b.x) + room >= node[0]
+        && smaller(a.y, b.y) - room <= node[4]
+        && larger(a.y, b.y) + room >= node[1]
 }
 
 /// The depth at which a ray meets a triangle, or [`MISS`]. Both sides of a triangle stop rays; one that is seen edge-on stops none.

@@ -3,11 +3,15 @@
 mod run;
 
 use umbra4_core::{LatticeLight, glam::IVec3};
-use umbra4_maps::stochastic::{StochasticOptions, area_frame::AreaFrame, fit::Fit};
+use umbra4_maps::stochastic::{
+    StochasticOptions,
+    area_frame::AreaFrame,
+    fit::{Fit, unmapped},
+};
 
 use crate::{
     CpuExecutor, ExecutorError, Occluders, Receivers, Statistics,
-    morton::{Curve, along},
+    morton::{along, curve_through},
 };
 use run::{Clock, Input, STAGES};
 
@@ -65,15 +69,9 @@ impl CpuExecutor {
             let params = fit.params(options, occluders.triangles().len() as u32);
             let order = clock.time(1, || ordered(occluders));
             let (vertices, triangles) = (occluders.vertices(), occluders.triangles());
-            let input = Input { vertices, triangles, order: &order, points };
+            let input = Input { vertices, triangles, order: &order, points, facings: receivers.facings() };
             let depths = run::sample_light_field(&input, &params, &mut clock);
-            let (mut visibility, outside) = run::visibility(&input, &fit, &params, &depths, &mut clock);
-            if !receivers.facings().is_empty() {
-                // As the exact masks are: no light reaches a surface from behind.
-                let away = |(index, point)| receivers.facing_of(index).is_away_from(light, point);
-                let own = visibility.iter_mut().zip(points.iter().copied().enumerate());
-                own.filter(|(_, receiver)| away(*receiver)).for_each(|(visibility, _)| *visibility = 0.0);
-            }
+            let (visibility, outside) = run::visibility(&input, &fit, &params, &depths, &mut clock);
             let planes = fit.planes().iter().map(|inverse| 1.0 / inverse).collect();
             let seconds_by_stage = STAGES.into_iter().zip(clock.0).collect();
             let statistics = Statistics { seconds_by_stage, ..Statistics::default() };
@@ -86,12 +84,12 @@ impl CpuExecutor {
     }
 }
 
-/// Where no receiver is within reach: those behind the light see nothing of it.
+/// Where no receiver is within reach.
 fn nothing_mapped(light: &LatticeLight, receivers: &Receivers) -> StochasticShadows {
-    let frame = AreaFrame::new(light);
-    let before = |point: &&IVec3| frame.place(**point).z > 0.0;
-    let visibility = receivers.points().iter().map(|point| f32::from(u8::from(before(&point)))).collect();
-    let outside = receivers.points().iter().filter(before).count();
+    let (frame, points) = (AreaFrame::new(light), receivers.points());
+    let seen = |(index, point): (usize, &IVec3)| unmapped(light, &frame, *point, receivers.facing_of(index));
+    let visibility = points.iter().enumerate().map(seen).collect();
+    let outside = points.iter().filter(|point| frame.place(**point).z > 0.0).count();
     StochasticShadows { visibility, outside, ..StochasticShadows::default() }
 }
 
@@ -101,6 +99,6 @@ fn ordered(occluders: &Occluders) -> Vec<u32> {
     if occluders.arrangement().is_some() {
         return (0..count as u32).collect();
     }
-    let curve = Curve::through(occluders.vertices(), 3);
+    let curve = curve_through(occluders.vertices(), 3);
     along(count, |id| occluders.corners(id).map_or(u64::MAX, |corners| curve.place(corners)))
 }

@@ -3,19 +3,25 @@
 use std::time::Instant;
 
 use rayon::prelude::*;
-use umbra4_core::glam::IVec3;
-use umbra4_maps::stochastic::{
-    closest,
-    elementary::{Elementary, sample},
-    fit::Fit,
-    gather::{self, Gathered},
-    lookup,
-    params::{ACTIVE_TILES, LensParams},
-    reproject::{self, END},
-    resolve,
-    tiles::{self, ACTIVE, DATA, MERGED, TILE},
-    trace::{self, Corners, NOTHING, Node},
-    tree::Tree,
+use umbra4_core::{Facing, glam::IVec3};
+use umbra4_maps::{
+    kernel::stochastic::{
+        BOUND_TRIANGLES, FILTER_LEVELS, FIND_RADII, LOOK_UP, REPROJECT, SAMPLE_LIGHT_FIELD,
+        tiles::{mark_active, mark_data, mark_looked_at, mark_merged},
+    },
+    stochastic::{
+        closest,
+        elementary::Elementary,
+        fit::Fit,
+        gather::{self, Gathered},
+        lookup,
+        params::{ACTIVE_TILES, LensParams},
+        reproject::{self, END},
+        resolve,
+        tiles::{self, ACTIVE, DATA, MERGED, TILE},
+        trace::{self, Corners, NOTHING, Node},
+        tree::Tree,
+    },
 };
 
 /// Receivers, or texels, that are worth a job.
@@ -23,7 +29,7 @@ const PART: usize = 1 << 10;
 
 /// Names of stages, in the order of the data flow.
 pub(crate) const STAGES: [&str; 7] =
-    ["fit_map", "bound_triangles", "sample_light_field", "reproject", "find_radii", "filter_levels", "look_up"];
+    ["fit_map", BOUND_TRIANGLES, SAMPLE_LIGHT_FIELD, REPROJECT, FIND_RADII, FILTER_LEVELS, LOOK_UP];
 
 /// What a run is given.
 #[derive(Clone, Copy)]
@@ -33,6 +39,8 @@ pub(crate) struct Input<'a> {
     /// Triangles along a curve through space.
     pub(crate) order: &'a [u32],
     pub(crate) points: &'a [IVec3],
+    /// Of all points, or of none.
+    pub(crate) facings: &'a [Facing],
 }
 
 /// Seconds by stage.
@@ -98,13 +106,10 @@ pub(crate) fn visibility(
         });
     }
     clock.time(6, || {
-        let receivers = sums.par_iter().zip(points).with_min_len(PART);
-        let outside = |point: &IVec3| {
-            let placed = params.place(*point);
-            placed.z > 0.0 && lookup::place_in_map(placed, params).is_none()
-        };
-        let of = receivers.map(|(sum, point)| lookup::visibility(*point, sum, params)).collect();
-        (of, points.par_iter().with_min_len(PART).filter(|point| outside(point)).count())
+        let receivers = sums.par_iter().zip(points).with_min_len(PART).enumerate();
+        let facing = |index| input.facings.get(index).copied().unwrap_or(Facing::UNKNOWN);
+        let of = receivers.map(|(index, (sum, point))| lookup::seen(*point, facing(index), sum, params)).collect();
+        (of, points.par_iter().with_min_len(PART).filter(|point| lookup::is_outside(**point, params)).count())
     })
 }
 
@@ -154,42 +159,33 @@ impl Plane {
         });
     }
 
-    /// Says what is needed of every tile.
+    /// Says what is needed of every tile. There are few: one thread does it.
     fn mark(&mut self, params: &LensParams, points: &[IVec3]) {
         if !params.is(ACTIVE_TILES) {
-            self.tiles.fill(ACTIVE | DATA | MERGED);
             return;
         }
         self.tiles.fill(0);
-        let across = tiles::tiles_across(params, 0);
-        for looked_at in points.iter().filter_map(|point| tiles::looked_at(*point, params)) {
-            let [left, top, right, bottom] = looked_at.map(|texel| texel / TILE);
-            for row in top..=bottom {
-                for column in left..=right {
-                    self.tiles[(row * across + column) as usize] |= ACTIVE;
-                }
-            }
+        let (of_receivers, receivers) = (params.with_count(points.len() as u32), bytemuck::cast_slice(points));
+        for id in 0..points.len() {
+            mark_looked_at(id, &of_receivers, receivers, &mut self.tiles, set);
         }
-        self.each_tile(params, 1..params.levels, tiles::active_above, ACTIVE);
-        self.each_tile(params, (0..params.levels).rev(), tiles::holds_data, DATA);
-        self.each_tile(params, 0..1, tiles::is_merged, MERGED);
+        self.each_tile(params, 1..params.levels, |id, params, tiles| mark_active(id, params, tiles, set));
+        self.each_tile(params, (0..params.levels).rev(), |id, params, tiles| mark_data(id, params, tiles, set));
+        self.each_tile(params, 0..1, |id, params, tiles| mark_merged(id, params, tiles, set));
     }
 
-    /// Gives `bit` to those tiles of each level for which `holds`.
+    /// Runs a kernel for all tiles of each level.
     fn each_tile(
         &mut self,
         params: &LensParams,
         levels: impl Iterator<Item = u32>,
-        holds: impl Fn(usize, &LensParams, &[u32]) -> bool,
-        bit: u32,
+        mark: impl Fn(usize, &LensParams, &mut [u32]),
     ) {
         for level in levels {
-            let params = params.with_level(level);
-            let (start, across) = (tiles::tiles_start(&params, level) as usize, tiles::tiles_across(&params, level));
-            for id in 0..(across * across) as usize {
-                if holds(id, &params, &self.tiles) {
-                    self.tiles[start + id] |= bit;
-                }
+            let across = tiles::tiles_across(params, level);
+            let params = params.with_level(level).with_count(across * across);
+            for id in 0..params.count as usize {
+                mark(id, &params, &mut self.tiles);
             }
         }
     }
@@ -197,14 +193,11 @@ impl Plane {
     /// Brings every sample to where its ray crosses the plane.
     fn merge(&mut self, params: &LensParams, depths: &[f32]) {
         let Self { heads, next, samples, tiles, .. } = self;
-        // A plane in focus: every sample stays where it is.
-        let moves = params.plane != params.focus;
-        if moves {
+        if params.moves() {
             let landings: Vec<u32> =
                 (0..depths.len()).into_par_iter().with_min_len(PART).map(|id| reproject::landing(id, params)).collect();
             heads.fill(END);
-            // From the last, so that lists ascend.
-            for (id, landing) in landings.iter().enumerate().rev() {
+            for (id, landing) in landings.iter().enumerate() {
                 if let Some(head) = heads.get_mut(*landing as usize) {
                     next[id] = std::mem::replace(head, id as u32);
                 }
@@ -212,7 +205,7 @@ impl Plane {
         }
         let (heads, next) = (&*heads, &*next);
         fill(samples, params, tiles, MERGED, Elementary::NONE, |id, _| {
-            if moves { reproject::merged(id, params, heads, next, depths) } else { sample(id, id, params, depths) }
+            reproject::on_plane(id, params, heads, next, depths)
         });
     }
 
@@ -224,10 +217,7 @@ impl Plane {
             let raised: Vec<f32> = (0..found.len())
                 .into_par_iter()
                 .with_min_len(PART)
-                .map(|id| {
-                    let needed = tiles[tiles::tile_of(id, params) as usize] & DATA != 0;
-                    if needed { closest::raised(id, params, samples, found) } else { samples[id].radius }
-                })
+                .map(|id| closest::filtered_with(id, params, tiles, samples, found))
                 .collect();
             samples.iter_mut().zip(raised).for_each(|(sample, radius)| sample.radius = radius);
         }
@@ -248,10 +238,7 @@ impl Plane {
         let Self { samples, tiles, widest, gathered, .. } = self;
         let (samples, widest) = (&*samples, &*widest);
         let own = &mut gathered[params.level_start(params.level) as usize..];
-        fill(own, params, tiles, ACTIVE, Gathered::NONE, |id, tile| {
-            let search = tiles::search_radius(tile, params, widest);
-            if search < 0 { Gathered::NONE } else { gather::gathered(id, search, params, samples) }
-        });
+        fill(own, params, tiles, ACTIVE, Gathered::NONE, |id, tile| tiles::gathered(id, tile, params, widest, samples));
     }
 
     fn resolve(&mut self, params: &LensParams) {
@@ -264,6 +251,10 @@ impl Plane {
             resolve::resolved(id, params, gathered, coarser, start)
         });
     }
+}
+
+fn set(tile: &mut u32, bits: u32) {
+    *tile |= bits;
 }
 
 /// `of(texel, tile)` for all texels of the level in tiles that have `bit`, and `absent` for the others. `out` begins with the level.
@@ -281,7 +272,7 @@ fn fill<T: Copy + Send + Sync>(
     rows.for_each(|(tile_row, texels)| {
         for tile_column in 0..across {
             let tile = tile_row * across + tile_column;
-            let needed = tiles[start + tile] & bit != 0;
+            let needed = tiles::has((start + tile) as u32, bit, params, tiles);
             let columns = tile_column * TILE as usize..((tile_column + 1) * TILE as usize).min(size);
             for (row, texels) in texels.chunks_mut(size).enumerate() {
                 let first = (tile_row * TILE as usize + row) * size;

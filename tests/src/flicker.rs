@@ -1,0 +1,71 @@
+//! Temporal noise: how much more, or otherwise, the visibility of neighbouring frames differs than that of exact ones does.
+
+use umbra4_core::glam::DVec3;
+
+use crate::scene::WorldScene;
+
+/// Of the difference images of successive frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Flicker {
+    /// Mean change of a receiver from frame to frame, exact.
+    pub exact: f64,
+    /// The same, filtered.
+    pub filtered: f64,
+    /// Mean distance of both changes: noise, and what filtering makes of the change itself.
+    pub noise: f64,
+    /// The root of the mean square of that distance.
+    pub root_mean_square: f64,
+    /// The largest.
+    pub most: f64,
+}
+
+/// The scene with its light moved by `frame` small steps, a hundredth of its edge each, aslant.
+#[must_use]
+pub fn moved(scene: &WorldScene, frame: u32) -> WorldScene {
+    let corner = scene.corner + DVec3::new(0.01, 0.0, 0.004) * f64::from(frame);
+    WorldScene { corner, ..scene.clone() }
+}
+
+/// Of frames in order, each filtered and exact visibility of the same receivers. Fewer than two have no flicker.
+pub fn flicker(frames: &[(Vec<f32>, Vec<f32>)]) -> Flicker {
+    let mut sum = Flicker::default();
+    let mut count = 0_usize;
+    for pair in frames.windows(2) {
+        let [(filtered, exact), (next_filtered, next_exact)] = pair else { unreachable!("windows of two") };
+        let lengths = [exact.len(), next_filtered.len(), next_exact.len()];
+        assert_eq!(lengths, [filtered.len(); 3], "of the same receivers");
+        for k in 0..filtered.len() {
+            let change = f64::from(next_filtered[k] - filtered[k]);
+            let wanted = f64::from(next_exact[k] - exact[k]);
+            let away = (change - wanted).abs();
+            sum.filtered += change.abs();
+            sum.exact += wanted.abs();
+            sum.noise += away;
+            sum.root_mean_square += away * away;
+            sum.most = sum.most.max(away);
+        }
+        count += filtered.len();
+    }
+    let one = 1.0 / count.max(1) as f64;
+    Flicker {
+        exact: sum.exact * one,
+        filtered: sum.filtered * one,
+        noise: sum.noise * one,
+        root_mean_square: (sum.root_mean_square * one).sqrt(),
+        most: sum.most,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn changes_are_compared() {
+        let frames = [(vec![0.5, 0.25], vec![0.5, 0.0]), (vec![1.0, 0.25], vec![0.5, 0.5])];
+        let found = flicker(&frames);
+        let expected = Flicker { exact: 0.25, filtered: 0.25, noise: 0.5, root_mean_square: 0.5, most: 0.5 };
+        assert_eq!(found, expected);
+        assert_eq!(flicker(&frames[..1]), Flicker::default());
+    }
+}
