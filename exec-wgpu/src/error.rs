@@ -128,12 +128,6 @@ pub enum GpuError {
     /// The technique gives visibility alone.
     #[error("a stochastic soft shadow map has no masks: ask for visibility")]
     NoMasks,
-    /// The technique has no kernels.
-    #[error("{technique} is made on processors only")]
-    NotOnDevices {
-        /// Which.
-        technique: &'static str,
-    },
     /// Masks to add to are those of other receivers, or of another light.
     #[error("masks are {words} words, not those of {receivers} receivers with {rows} rows")]
     MaskCount {

@@ -38,9 +38,9 @@ pub mod rng;
 pub mod scene;
 pub mod scenes;
 pub mod second_oracle;
-pub mod spheres;
 pub mod serial_maps;
 pub mod slab;
+pub mod spheres;
 pub mod suite;
 pub mod weights;
 
