@@ -48,6 +48,12 @@ impl From<&Buffer> for Resource {
 }
 
 impl Resource {
+    /// The first `count` elements of a buffer, at least one: nothing empty can be bound. Beyond lies what other runs have left.
+    pub(crate) fn first<T>(buffer: &Buffer, count: u64) -> Self {
+        let bytes = count.max(1) * size_of::<T>() as u64;
+        NonZero::new(bytes).map_or_else(|| buffer.into(), |bytes| Self::Part(buffer.clone(), 0, bytes))
+    }
+
     /// Where it lies, unless it is a texture.
     pub(crate) fn buffer(&self) -> Option<&Buffer> {
         match self {

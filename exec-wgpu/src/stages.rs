@@ -121,6 +121,8 @@ const fn resolve_kernel(bits: u32, precision: Precision, jittered: bool, counted
 #[derive(Clone, Debug)]
 pub(crate) struct Buffers {
     pub(crate) vertices: Buffer,
+    /// How many there are: a triangle may name others, and blocks nothing then.
+    vertex_count: u32,
     pub(crate) triangles: Buffer,
     pub(crate) receivers: Buffer,
     pub(crate) masks: Buffer,
@@ -166,6 +168,7 @@ impl Buffers {
         let mut fit = Fit { scratch, device };
         Ok(Self {
             vertices: fit.of::<[i32; 3]>("vertices", u64::from(vertices))?,
+            vertex_count: vertices,
             triangles: fit.of::<[u32; 3]>("triangles", triangles)?,
             triangle_keys: fit.of::<[f32; 5]>("keys of triangles", keyed(triangles))?,
             triangle_order: fit.of::<[u32; 2]>("order of triangles", triangles)?,
@@ -198,7 +201,7 @@ impl Buffers {
 
     fn of(&self, role: Role) -> Resource {
         let buffer = match role {
-            Role::Vertices => &self.vertices,
+            Role::Vertices => return Resource::first::<[i32; 3]>(&self.vertices, self.vertex_count.into()),
             Role::Triangles => &self.triangles,
             Role::TriangleKeys => &self.triangle_keys,
             Role::TriangleOrder => &self.triangle_order,

@@ -2,6 +2,8 @@
 //!
 //! Where the map looks, and the table of half-spaces, are made on the host, in f64.
 
+use std::time::{Duration, Instant};
+
 use umbra4_core::{
     LatticeLight, MaskWord,
     hierarchy::Levels,
@@ -65,6 +67,8 @@ struct Shadows<'a> {
     params: MicroquadParams,
     beyond: u64,
     table: Vec<u32>,
+    /// What the host took for all that.
+    time: Duration,
 }
 
 /// What a map is drawn from, and what it is.
@@ -104,6 +108,7 @@ impl WgpuExecutor {
                 _ => Ok((Vec::new(), Vec::new())),
             }
         })?;
+        let time = shadows.time + time;
         let map = ShadowMap::new(shadows.params, texels, nodes, shadows.table, shadows.beyond);
         Ok((map, Statistics { time, counts: None, stages }))
     }
@@ -249,7 +254,11 @@ impl WgpuExecutor {
         let (triangles, parts) = (scene.triangles.len() as u32, size.div_ceil(ROWS));
         // Ids have 32 bits.
         let batch = u32::MAX / parts;
-        let drawn = [(&buffers.vertices).into(), (&buffers.triangles).into(), (&buffers.map).into()];
+        let drawn = [
+            Resource::first::<[i32; 3]>(&buffers.vertices, scene.vertices.len() as u64),
+            (&buffers.triangles).into(),
+            (&buffers.map).into(),
+        ];
         for first in (0..triangles).step_by(batch as usize) {
             let count = batch.min(triangles - first) * parts;
             let pass = MapPass { count, number: parts, first, ..MapPass::default() };
@@ -285,7 +294,7 @@ impl WgpuExecutor {
                 }
             }
         })?;
-        Ok((out, Statistics { time, counts: None, stages }))
+        Ok((out, Statistics { time: shadows.time + time, counts: None, stages }))
     }
 
     /// In dispatches of `slice` tiles; `None` where the driver has stopped a thread.
@@ -384,6 +393,7 @@ impl<'a> Shadows<'a> {
     ) -> Result<Self, GpuError> {
         options.check(light)?;
         checks::counts_of(scene, receivers)?;
+        let start = Instant::now();
         let corner = |index: u32| scene.vertices.get(index as usize).copied();
         let corners = scene.triangles.iter().filter_map(|[a, b, c]| Some([corner(*a)?, corner(*b)?, corner(*c)?]));
         let (params, beyond) = fit::fitted(options, light, receivers.points.iter().copied(), corners);
@@ -392,7 +402,7 @@ impl<'a> Shadows<'a> {
             table.resize(table_length(light, fineness), 0);
             write_table(light, fineness, &mut table);
         }
-        Ok(Self { options, scene, light, receivers, params, beyond, table })
+        Ok(Self { options, scene, light, receivers, params, beyond, table, time: start.elapsed() })
     }
 }
 
