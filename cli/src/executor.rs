@@ -1,8 +1,8 @@
 //! Where the work is done: on the processor, or on a GPU. The bits are the same.
 
 use umbra4_core::{Counts, LatticeLight, Plan, Punctual, cloud::Cloud, glam::IVec3};
-use umbra4_cpu::{CpuExecutor, CpuWord, Occluders, Receivers};
-use umbra4_wgpu::{Choice, Gpu, LatticeScene, WgpuExecutor};
+use umbra4_cpu::{CpuExecutor, CpuWord, Occluders, Receivers, maps::Technique};
+use umbra4_wgpu::{Choice, Gpu, LatticeReceivers, LatticeScene, WgpuExecutor};
 
 use crate::{
     args::{ExecutorArg, MachineArgs, PrecisionArg, WorkArgs},
@@ -138,6 +138,26 @@ impl AnyExecutor {
             }
             Self::Gpu(gpu, _) => {
                 let (visibility, statistics) = gpu.visibility(&on_lattice(occluders), light, receivers.points())?;
+                Ok((visibility, statistics.into()))
+            }
+        }
+    }
+
+    /// The fraction of the light that every receiver sees, by a technique. Receivers keep their facings.
+    ///
+    /// # Errors
+    /// The executor's.
+    pub fn visibility_by(&self, technique: &Technique, scene: Scene<'_>) -> Result<(Vec<f32>, Report), ProgramError> {
+        let (occluders, light, receivers) = scene;
+        match self {
+            Self::Cpu(cpu) => {
+                let (visibility, statistics) = cpu.visibility_by(technique, occluders, light, receivers)?;
+                Ok((visibility, statistics.into()))
+            }
+            Self::Gpu(gpu, _) => {
+                let receivers = LatticeReceivers { points: receivers.points(), facings: receivers.facings() };
+                let (visibility, statistics) =
+                    gpu.visibility_by(technique, &on_lattice(occluders), light, receivers)?;
                 Ok((visibility, statistics.into()))
             }
         }

@@ -43,6 +43,10 @@ pub enum Family {
     Microquads,
     /// Stochastic soft shadow maps, on the processor.
     StochasticMaps,
+    /// Microquads and microtris, on a GPU.
+    GpuMicroquads,
+    /// Stochastic soft shadow maps, on a GPU.
+    GpuStochasticMaps,
     /// Rays to the samples that umbra4 has too.
     RegularRays,
     /// Rays to stratified, jittered samples, other ones for every receiver.
@@ -51,7 +55,7 @@ pub enum Family {
 
 impl Family {
     /// All of them, in the order of legends and tables.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::CpuExact,
         Self::CpuFast,
         Self::CpuJittered,
@@ -61,6 +65,8 @@ impl Family {
         Self::GpuJittered,
         Self::Microquads,
         Self::StochasticMaps,
+        Self::GpuMicroquads,
+        Self::GpuStochasticMaps,
         Self::RegularRays,
         Self::JitteredRays,
     ];
@@ -77,6 +83,8 @@ impl Family {
             Self::GpuJittered => "umbra4 exact, jittered, GPU",
             Self::Microquads => "microquads",
             Self::StochasticMaps => "stochastic maps",
+            Self::GpuMicroquads => "microquads, GPU",
+            Self::GpuStochasticMaps => "stochastic maps, GPU",
             Self::RegularRays => "BVH rays, regular samples",
             Self::JitteredRays => "BVH rays, jittered samples",
         }
@@ -94,6 +102,8 @@ impl Family {
             Self::GpuJittered => "#7a7a00",
             Self::Microquads => "#5b3fa8",
             Self::StochasticMaps => "#8a8a8a",
+            Self::GpuMicroquads => "#9c7fe0",
+            Self::GpuStochasticMaps => "#5a5a5a",
             Self::RegularRays => "#d55e00",
             Self::JitteredRays => "#b5527f",
         }
@@ -106,7 +116,7 @@ impl Family {
 
     /// Whether it draws a shadow map: its methods differ in the map's texels.
     pub fn is_map(self) -> bool {
-        matches!(self, Self::Microquads | Self::StochasticMaps)
+        matches!(self, Self::Microquads | Self::StochasticMaps | Self::GpuMicroquads | Self::GpuStochasticMaps)
     }
 
     /// Whether it is one frame of umbra4 with jittered samples.
@@ -232,11 +242,18 @@ pub fn all(problem: &Problem, device: &Device) -> Result<Vec<Box<dyn Method>>, P
             }
         }
     }
-    for size in shadow_maps::SIZES {
-        methods.push(Box::new(ShadowMaps::microquads(problem, size)));
+    for family in [Family::Microquads, Family::StochasticMaps] {
+        for size in shadow_maps::SIZES {
+            methods.push(Box::new(ShadowMaps::new(problem, family, size, AnyExecutor::cpu(PrecisionArg::Exact))));
+        }
     }
-    for size in shadow_maps::SIZES {
-        methods.push(Box::new(ShadowMaps::stochastic(problem, size)));
+    if let Device::Open(gpu) = device {
+        for family in [Family::GpuMicroquads, Family::GpuStochasticMaps] {
+            for size in shadow_maps::SIZES {
+                let executor = AnyExecutor::gpu(gpu.clone(), PrecisionArg::Exact);
+                methods.push(Box::new(ShadowMaps::new(problem, family, size, executor)));
+            }
+        }
     }
     let bvh = Bvh::new(problem)?;
     for (pattern, sides) in [(Pattern::Regular, &REGULAR[..]), (Pattern::Jittered, &JITTERED)] {

@@ -2,18 +2,15 @@
 
 use std::time::Instant;
 
-use umbra4_cpu::{
-    CpuExecutor,
-    maps::{
-        Technique,
-        microquad::{MapOptions, MicroquadOptions},
-        stochastic::StochasticOptions,
-    },
+use umbra4_cpu::maps::{
+    Technique,
+    microquad::{MapOptions, MicroquadOptions},
+    stochastic::StochasticOptions,
 };
 
 use crate::{
     error::ProgramError,
-    executor::Report,
+    executor::{AnyExecutor, Report},
     report::{
         methods::{Family, Method, Run},
         problem::Problem,
@@ -32,27 +29,24 @@ pub struct ShadowMaps {
     family: Family,
     size: u32,
     technique: Technique,
-    executor: CpuExecutor,
+    executor: AnyExecutor,
     all: Choice,
 }
 
 impl ShadowMaps {
-    /// Microquads and microtris by exact rows.
-    pub fn microquads(problem: &Problem, size: u32) -> Self {
-        let map = MapOptions { size, ..MapOptions::default() };
-        let options = MicroquadOptions { map, ..MicroquadOptions::default() };
-        Self::new(problem, Family::Microquads, size, Technique::Microquads(options))
-    }
-
-    /// A stochastic map, filtered on four planes.
-    pub fn stochastic(problem: &Problem, size: u32) -> Self {
-        let options = StochasticOptions { size, ..StochasticOptions::default() };
-        Self::new(problem, Family::StochasticMaps, size, Technique::Stochastic(options))
-    }
-
-    fn new(problem: &Problem, family: Family, size: u32, technique: Technique) -> Self {
-        let all = Choice::everyone(problem.receivers());
-        Self { family, size, technique, executor: CpuExecutor::new(), all }
+    /// The technique of a family that [is one of maps](Family::is_map), with maps of `size` × `size` texels: microquads and
+    /// microtris by exact rows; or a stochastic map, filtered on four planes.
+    pub fn new(problem: &Problem, family: Family, size: u32, executor: AnyExecutor) -> Self {
+        let technique = match family {
+            Family::StochasticMaps | Family::GpuStochasticMaps => {
+                Technique::Stochastic(StochasticOptions { size, ..StochasticOptions::default() })
+            }
+            _ => {
+                let map = MapOptions { size, ..MapOptions::default() };
+                Technique::Microquads(MicroquadOptions { map, ..MicroquadOptions::default() })
+            }
+        };
+        Self { family, size, technique, executor, all: Choice::everyone(problem.receivers()) }
     }
 }
 
@@ -76,9 +70,9 @@ impl Method for ShadowMaps {
         let receivers = problem.facing(snapped.receivers)?;
         let mut report = Report::default();
         report.add_stage("snap", start.elapsed().as_secs_f64());
-        let (visibility, statistics) =
-            self.executor.visibility_by(&self.technique, &snapped.occluders, &snapped.light, &receivers)?;
-        report.add(&statistics.into());
+        let (visibility, stages) =
+            self.executor.visibility_by(&self.technique, (&snapped.occluders, &snapped.light, &receivers))?;
+        report.add(&stages);
         Ok(vec![Run { counts: None, ..Run::of_umbra(visibility, 1, report) }])
     }
 }

@@ -30,6 +30,8 @@ pub fn family(family: Family, x: f64, y: f64) -> String {
             ],
             &filled,
         ),
+        Family::GpuMicroquads => stroke(&format!("M{:.1} {y:.1}h9", x - 4.5), color),
+        Family::GpuStochasticMaps => stroke(&format!("M{x:.1} {:.1}v9", y - 4.5), color),
         Family::RegularRays => polygon(&[(x, y - 6.5), (x + 6.0, y + 4.5), (x - 6.0, y + 4.5)], &filled),
         Family::JitteredRays => polygon(&[(x, y - 6.5), (x + 6.5, y), (x, y + 6.5), (x - 6.5, y)], &filled),
     }
