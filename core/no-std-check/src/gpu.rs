@@ -25,6 +25,7 @@ use umbra4_core::{
         reduce::reduce,
         resolve::{DeviceWord, ReceiverCounts, resolve_counted},
         resolve_cloud::{SampleTile, resolve_cloud_counted},
+        resolve_cloud_by_table::TableWord,
         resolve_punctual::resolve_punctual_counted,
         settle_receivers::{settle_punctual_receivers, settle_receivers},
         snap_receivers::{snap_depth, snap_position, upwards, upwards_of},
@@ -153,11 +154,14 @@ check! { of CloudParams:
     check_kernel_order_cloud_triangles = order_cloud_triangles,
         (vertices: &[[i32; 3]], triangles: &[[u32; 3]], order: &[Entry], occluders: &mut [Occluder],
         nodes: &mut [BoxTile]);
-    check_kernel_resolve_cloud_exact = resolve_cloud_counted::<Exact>,
+    check_kernel_resolve_cloud_exact = resolve_cloud_counted::<Exact, SampleTile>,
         (receivers: &[[i32; 3]], order: &[Entry], occluders: &[Occluder], nodes: &[BoxTile], samples: &[SampleTile],
         masks: &mut [u32], counts: &mut [ReceiverCounts]);
-    check_kernel_resolve_cloud_fast = resolve_cloud_counted::<Fast>,
+    check_kernel_resolve_cloud_fast = resolve_cloud_counted::<Fast, SampleTile>,
         (receivers: &[[i32; 3]], order: &[Entry], occluders: &[Occluder], nodes: &[BoxTile], samples: &[SampleTile],
+        masks: &mut [u32], counts: &mut [ReceiverCounts]);
+    check_kernel_resolve_cloud_by_table = resolve_cloud_counted::<Exact, TableWord>,
+        (receivers: &[[i32; 3]], order: &[Entry], occluders: &[Occluder], nodes: &[BoxTile], table: &[TableWord],
         masks: &mut [u32], counts: &mut [ReceiverCounts]);
 }
 

@@ -1,4 +1,4 @@
-//! Every function of umbra4-core that runs once a frame or more often, instantiated and exported, without std.
+//! Every function of umbra4-core and umbra4-maps that runs once a frame or more often, instantiated and exported, without std.
 //!
 //! Built in two ways (see `Cargo.toml`): plain, where a second panic handler, std's, would be an error; and with
 //! `no-panic`, where a path to the handler is one. Left out is what formats: `Display` of errors and plans goes through
@@ -18,6 +18,8 @@ mod host;
 mod kernels;
 #[cfg(not(feature = "with-panic"))]
 mod lights;
+#[cfg(not(feature = "with-panic"))]
+mod maps;
 
 // memcpy and memset; on bare metal they come with Rust.
 #[cfg(target_os = "linux")]
