@@ -64,7 +64,7 @@ pub const fn start(size: u32, level: u32) -> u32 {
 /// Node `index` of level 0.
 #[inline(always)]
 pub fn tile(map: &[u32], size: u32, index: u32) -> Node {
-    let side = tiles(size);
+    let side = tiles(size).max(1);
     let (x, y) = (index % side * TILE, index / side * TILE);
     let (mut most, mut least) = (0, u32::MAX);
     let mut j = 0;
@@ -89,7 +89,7 @@ fn node(nodes: &[Node], index: u32) -> Node {
 /// Node `index` of `level`, which is at least 1, from those of the level before.
 #[inline(always)]
 pub fn parent(nodes: &[Node], size: u32, level: u32, index: u32) -> Node {
-    let (side, below) = (tiles(size) >> level, start(size, level - 1));
+    let (side, below) = ((tiles(size) >> level).max(1), start(size, level - 1));
     let first = below + index / side * 2 * (side * 2) + index % side * 2;
     let next = first + side * 2;
     node(nodes, first).with(node(nodes, first + 1)).with(node(nodes, next).with(node(nodes, next + 1)))

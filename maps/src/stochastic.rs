@@ -18,6 +18,7 @@ pub mod elementary;
 pub mod fit;
 pub(crate) mod float;
 pub mod gather;
+pub(crate) mod grid;
 pub mod lookup;
 pub mod moments;
 #[cfg(not(target_arch = "spirv"))]

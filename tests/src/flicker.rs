@@ -56,6 +56,18 @@ pub fn flicker(frames: &[(Vec<f32>, Vec<f32>)]) -> Flicker {
     }
 }
 
+/// The difference image of two frames, a binary PGM `across` pixels wide: gray where nothing changes, white and black where `1 / gain` of the
+/// light is gained and lost.
+#[must_use]
+pub fn difference_image(before: &[f32], after: &[f32], across: usize, gain: f32) -> Vec<u8> {
+    assert_eq!(before.len(), after.len(), "of the same receivers");
+    let mut image = format!("P5\n{across} {}\n255\n", before.len() / across.max(1)).into_bytes();
+    image.extend(
+        before.iter().zip(after).map(|(before, after)| (127.5 + 127.5 * gain * (after - before)).round() as u8),
+    );
+    image
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -67,5 +79,11 @@ mod tests {
         let expected = Flicker { exact: 0.25, filtered: 0.25, noise: 0.5, root_mean_square: 0.5, most: 0.5 };
         assert_eq!(found, expected);
         assert_eq!(flicker(&frames[..1]), Flicker::default());
+    }
+
+    #[test]
+    fn images_of_differences_are_gray_where_nothing_changes() {
+        let image = difference_image(&[0.5, 0.5, 1.0, 0.0], &[0.5, 0.75, 0.0, 0.125], 2, 4.0);
+        assert_eq!(image, [b"P5\n2 2\n255\n" as &[u8], &[128, 255, 0, 191]].concat());
     }
 }

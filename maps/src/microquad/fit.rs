@@ -140,7 +140,8 @@ impl Tangents {
         for k in 0..PLANES {
             let (mut cut, mut kept) = ([DVec3::ZERO; 3 + PLANES], 0);
             for i in 0..count {
-                let (p, q) = (polygon[i], polygon[(i + 1) % count]);
+                let corner = |i: usize| polygon.get(i).copied().unwrap_or_default();
+                let (p, q) = (corner(i), corner(if i + 1 < count { i + 1 } else { 0 }));
                 let (at_p, at_q) = (plane(k, p), plane(k, q));
                 let mut keep = |point: DVec3| {
                     // A convex polygon gains one corner a plane, but for rounding.

@@ -305,7 +305,7 @@ pub fn gather_area<G: Gathered>(
 ) {
     let (a, pass, size) = (params.arithmetic(), params.pass(), params.frame.size());
     let (left, below) = (whole.columns[0] as u32 / TILE, whole.rows[0] as u32 / TILE);
-    let across = whole.columns[1] as u32 / TILE - left + 1;
+    let across = (whole.columns[1] as u32 / TILE - left + 1).max(1);
     let all = across * (whole.rows[1] as u32 / TILE - below + 1);
     let mut index = pass.tile;
     let end = if index < all && pass.tiles < all - index { index + pass.tiles } else { all };

@@ -130,7 +130,8 @@ pub fn table_length(light: &LatticeLight, fineness: HalfSpaces) -> usize {
 /// Line `index` of a table, in f64: what is inside has `x·n.0 + y·n.1` beyond the third, on a light that spans −1 to 1.
 #[cfg(not(target_arch = "spirv"))]
 pub fn line(fineness: HalfSpaces, index: usize) -> [f64; 3] {
-    let HalfSpaces { directions, distances } = fineness;
+    let HalfSpaces { directions, distances } =
+        HalfSpaces { directions: fineness.directions.max(2), distances: fineness.distances.max(2) };
     let (direction, distance) = (index as u32 / distances, index as u32 % distances);
     // The second half of the diamond is the first, reversed, to the last bit.
     let half = directions / 2;

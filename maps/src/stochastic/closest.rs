@@ -9,6 +9,7 @@ use crate::stochastic::{
     confusion::{covers, half_extents},
     elementary::Elementary,
     float::{larger, smaller},
+    grid::column_and_row,
     params::{LensParams, PROJECTED, RECTANGULAR},
     tiles::{self, DATA},
 };
@@ -46,8 +47,8 @@ pub fn closest(id: usize, params: &LensParams, samples: &[Elementary]) -> f32 {
     if own.weight <= 0.0 {
         return 0.0;
     }
-    let size = params.size.max(1) as i32;
-    let (column, row) = (id as i32 % size, id as i32 / size);
+    let size = params.size as i32;
+    let (column, row) = column_and_row(id, params.size);
     let mut least = f32::MAX;
     let mut k = 0;
     while k < NEIGHBOURS {
@@ -80,8 +81,8 @@ pub fn occludes(other: &Elementary, own: &Elementary, away: [f32; 2], params: &L
 /// What [`closest`] found around texel `id`, smoothed by a Gaussian over 5 × 5 texels. Texels without a sample say nothing.
 #[inline(always)]
 pub fn smoothed(id: usize, params: &LensParams, samples: &[Elementary], found: &[f32]) -> f32 {
-    let size = params.size.max(1) as i32;
-    let (column, row) = (id as i32 % size, id as i32 / size);
+    let size = params.size as i32;
+    let (column, row) = column_and_row(id, params.size);
     let (mut sum, mut weights) = (0.0, 0.0);
     let mut y = -SMOOTH_RADIUS;
     while y <= SMOOTH_RADIUS {

@@ -7,6 +7,7 @@ use crate::stochastic::{
     confusion::{coverage, half_extents},
     elementary::Elementary,
     float::{larger, within},
+    grid::column_and_row,
     moments::Moments,
     params::{INTERLEAVED, LensParams, PROJECTED, RECTANGULAR},
 };
@@ -108,9 +109,9 @@ pub fn search_radius(params: &LensParams, widest: f32) -> i32 {
 /// weight 1/ρ², or rather one over the product of both half-extents, times what it covers of the texel.
 #[inline(always)]
 pub fn gathered(id: usize, search: i32, params: &LensParams, samples: &[Elementary]) -> Gathered {
-    let size = params.level_size(params.level).max(1) as i32;
+    let size = params.level_size(params.level) as i32;
     let start = params.level_start(params.level) as i32;
-    let (column, row) = (id as i32 % size, id as i32 / size);
+    let (column, row) = column_and_row(id, params.level_size(params.level));
     let width = texel_width(params.level);
     let step = if params.is(INTERLEAVED) { 2 } else { 1 };
     let (projected, rectangular) = (params.is(PROJECTED), params.is(RECTANGULAR));

@@ -39,7 +39,8 @@ pub fn place(planes: &mut [f32], placement: Placement, depths: DepthRange, histo
             }
             Placement::Receivers => low + (high - low) * below(histogram, density, whole * (1.0 - part)),
         }
-        .clamp(low.min(high), high.max(low));
+        .max(low.min(high))
+        .min(high.max(low));
     }
 }
 

@@ -8,6 +8,7 @@ use umbra4_core::kernel::fetch;
 
 use crate::stochastic::{
     gather::Gathered,
+    grid::column_and_row,
     params::{LensParams, SMOOTHED},
 };
 
@@ -33,8 +34,7 @@ pub fn smoothed(column: i32, row: i32, params: &LensParams, gathered: &[Gathered
 /// level weights become one (eq. 7). `coarser` are the texels of all levels from `start` on.
 #[inline(always)]
 pub fn resolved(id: usize, params: &LensParams, gathered: &[Gathered], coarser: &[Gathered], start: u32) -> Gathered {
-    let size = params.level_size(params.level).max(1) as i32;
-    let (column, row) = (id as i32 % size, id as i32 / size);
+    let (column, row) = column_and_row(id, params.level_size(params.level));
     let mut sum = smoothed(column, row, params, gathered);
     if params.level + 1 < params.levels {
         sum = sum.plus(&upsampled(column, row, params, coarser, start), 1.0);
