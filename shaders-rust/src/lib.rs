@@ -16,9 +16,8 @@ use umbra4_core::{
     gbuffer::ViewParams,
     jitter::{Pattern, Regular},
     kernel::{
-        self, order_cloud, resolve::ReceiverCounts, resolve_cloud::SampleTile,
-        resolve_cloud_by_table::TableWord, snap_receivers, status::Status,
-        weigh::PackedWeight,
+        self, order_cloud, resolve::ReceiverCounts, resolve_cloud::SampleTile, resolve_cloud_by_table::TableWord,
+        snap_receivers, status::Status, weigh::PackedWeight,
     },
     mesh::MeshParams,
     occluder::Occluder,
