@@ -272,10 +272,7 @@ impl CpuExecutor {
             let input = CloudInput { plan: &plan, isa, precision, cloud: tiles, test, scene, receivers, extent };
             CloudRun::new(input, &visit).finish()
         };
-        match &self.pool {
-            Some(pool) => pool.install(work),
-            None => work(),
-        }
+        self.install(work)
     }
 }
 

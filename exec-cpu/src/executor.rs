@@ -360,7 +360,7 @@ impl CpuExecutor {
         receivers: &Receivers,
     ) -> Result<(HardShadows, Statistics), ExecutorError> {
         let (shadows, mut statistics) = (ShadowBits::new(receivers.len()), Statistics::default());
-        let mut work = || {
+        let work = || {
             let start = Instant::now();
             let facing = !receivers.facings().is_empty();
             let faces = Faces::new(light, occluders, receivers.points());
@@ -382,10 +382,7 @@ impl CpuExecutor {
                 plan.run(&mut PunctualRun::new(input, &shadows, &mut statistics))
             })
         };
-        match &self.pool {
-            Some(pool) => pool.install(work),
-            None => work(),
-        }?;
+        self.install(work)?;
         statistics.sort();
         Ok((shadows.finish(), statistics))
     }
@@ -458,6 +455,11 @@ impl CpuExecutor {
                 Run::<W::Regular, _, _>::new(how, occluders, *light, &Regular, receivers, &visit).finish()
             }
         };
+        self.install(work)
+    }
+
+    /// On this executor's threads.
+    pub(crate) fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         match &self.pool {
             Some(pool) => pool.install(work),
             None => work(),

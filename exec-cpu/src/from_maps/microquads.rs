@@ -252,14 +252,6 @@ impl CpuExecutor {
         statistics.add_seconds(GATHER, start.elapsed().as_secs_f64());
         Ok((visibility, statistics))
     }
-
-    /// On this executor's threads.
-    fn install<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        match &self.pool {
-            Some(pool) => pool.install(work),
-            None => work(),
-        }
-    }
 }
 
 /// A receiver's mask, with what is in it already.

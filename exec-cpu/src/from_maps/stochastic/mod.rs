@@ -77,10 +77,7 @@ impl CpuExecutor {
             let statistics = Statistics { seconds_by_stage, ..Statistics::default() };
             Ok(StochasticShadows { visibility, outside, planes, statistics })
         };
-        match &self.pool {
-            Some(pool) => pool.install(work),
-            None => work(),
-        }
+        self.install(work)
     }
 }
 
