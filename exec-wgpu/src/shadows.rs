@@ -1,6 +1,6 @@
 //! Soft shadows within an engine's frame: recorded into its encoder, over its buffers and textures.
 
-use std::{collections::HashMap, mem::offset_of, num::NonZero};
+use std::{collections::HashMap, mem::offset_of};
 
 use umbra4_core::{
     AnyLight, Lattice, Plan, Precision, SceneFacts,
@@ -406,8 +406,7 @@ impl SoftShadows {
             }
             Image::Buffer { buffer, .. } => (words, (*buffer).clone()),
         };
-        let bytes = NonZero::new(4 * u64::from(pitch) * u64::from(height));
-        let image_part = bytes.map_or_else(|| (&target).into(), |bytes| Resource::Part(target.clone(), 0, bytes));
+        let image_part = Resource::first::<u32>(&target, u64::from(pitch) * u64::from(height));
         let pass =
             PassParams { count: pitch * height, width, pitch, texels: format.pixels_a_word(), ..PassParams::default() };
         let params = <Params as bytemuck::Zeroable>::zeroed();

@@ -1,7 +1,7 @@
 //! Stochastic soft shadow maps on the GPU: see [`umbra4_maps::stochastic`]. The host fits the map, and puts triangles in order; all else is the
 //! device's.
 
-use std::{collections::HashMap, num::NonZero, time::Instant};
+use std::{collections::HashMap, time::Instant};
 
 use umbra4_core::{Facing, LatticeLight, glam::IVec3};
 use umbra4_maps::{
@@ -176,9 +176,7 @@ impl Buffers {
         let mut fit = |slot, what, count: u64, size: usize| {
             // Nothing empty can be bound.
             let bytes = count.max(1) * size as u64;
-            let buffer = scratch.fit::<u8>(device, what, bytes)?;
-            let part = NonZero::new(bytes).map(|bytes| Resource::Part(buffer, 0, bytes));
-            own.extend(part.map(|part| (slot, part)));
+            own.insert(slot, Resource::first::<u8>(&scratch.fit::<u8>(device, what, bytes)?, bytes));
             Ok::<_, GpuError>(())
         };
         fit(MapSlot::Vertices, "vertices", scene.vertices.len() as u64, size_of::<IVec3>())?;
