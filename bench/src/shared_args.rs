@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::scene::PAPER_LIGHT;
+use crate::{scene::PAPER_LIGHT, timing::Budget};
 
 /// Where receivers come from.
 #[derive(Args)]
@@ -32,6 +32,29 @@ pub struct RivalArgs {
     /// Runs of every contender, at least.
     #[arg(long, default_value_t = 3)]
     pub repeat: usize,
+}
+
+/// How commands that time umbra4 alone run it.
+#[derive(Args)]
+pub struct RunArgs {
+    /// Threads.
+    #[arg(long, default_value_t = 1)]
+    threads: usize,
+    /// Runs of each subject, at least.
+    #[arg(long, default_value_t = 3)]
+    repeat: usize,
+}
+
+impl RunArgs {
+    /// At least one.
+    pub fn threads(&self) -> usize {
+        self.threads.max(1)
+    }
+
+    /// Of each subject.
+    pub fn budget(&self, seconds: f64) -> Budget {
+        Budget { seconds, repeat: self.repeat }
+    }
 }
 
 fn in_range(text: &str, range: std::ops::RangeInclusive<f64>) -> Result<f64, String> {

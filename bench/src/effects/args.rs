@@ -8,8 +8,7 @@ use super::{
 };
 use crate::{
     compare::CompareError,
-    shared_args::{ImageArgs, seconds},
-    timing::Budget,
+    shared_args::{ImageArgs, RunArgs, seconds},
 };
 
 /// Arguments of the command.
@@ -21,15 +20,11 @@ pub struct EffectsArgs {
     /// Rows and columns of the samples of lights with an area.
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=64))]
     samples: u32,
-    /// Threads.
-    #[arg(long, default_value_t = 1)]
-    threads: usize,
     /// Seconds of each effect, at least; the fastest run counts.
     #[arg(long, default_value_t = 2.0, value_parser = seconds)]
     seconds: f64,
-    /// Runs of each effect, at least.
-    #[arg(long, default_value_t = 3)]
-    repeat: usize,
+    #[command(flatten)]
+    run: RunArgs,
     #[command(flatten)]
     image: ImageArgs,
 }
@@ -43,9 +38,9 @@ impl EffectsArgs {
         let options = Options {
             scenes: &self.image.scenes,
             samples: self.samples,
-            threads: self.threads.max(1),
+            threads: self.run.threads(),
             size: self.image.size,
-            budget: Budget { seconds: self.seconds, repeat: self.repeat },
+            budget: self.run.budget(self.seconds),
         };
         let measured: Vec<_> = self.scene.iter().map(|scene| measure(scene, &options)).collect::<Result<_, _>>()?;
         let (lines, errors): (Vec<_>, Vec<_>) = measured.into_iter().map(|scene| (scene.lines, scene.errors)).unzip();

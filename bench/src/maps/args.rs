@@ -8,8 +8,7 @@ use super::{
 };
 use crate::{
     compare::CompareError,
-    shared_args::{ImageArgs, seconds},
-    timing::Budget,
+    shared_args::{ImageArgs, RunArgs, seconds},
 };
 
 /// Arguments of the command.
@@ -24,15 +23,11 @@ pub struct MapsArgs {
     /// Texels of maps along each edge: a power of two.
     #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=2048))]
     map: u32,
-    /// Threads.
-    #[arg(long, default_value_t = 1)]
-    threads: usize,
     /// Seconds of each way, at least; the fastest run counts.
     #[arg(long, default_value_t = 2.0, value_parser = seconds)]
     seconds: f64,
-    /// Runs of each way, at least.
-    #[arg(long, default_value_t = 2)]
-    repeat: usize,
+    #[command(flatten)]
+    run: RunArgs,
     #[command(flatten)]
     image: ImageArgs,
 }
@@ -47,10 +42,10 @@ impl MapsArgs {
             let options = Options {
                 scenes: &self.image.scenes,
                 samples,
-                threads: self.threads.max(1),
+                threads: self.run.threads(),
                 size: self.image.size,
                 map: self.map,
-                budget: Budget { seconds: self.seconds, repeat: self.repeat },
+                budget: self.run.budget(self.seconds),
             };
             let measured: Vec<_> = self.scene.iter().map(|scene| measure(scene, &options)).collect::<Result<_, _>>()?;
             print!("{}", markdown(&measured, samples, self.map));

@@ -2,7 +2,7 @@
 
 use std::{cell::RefCell, path::Path, time::Instant};
 
-use umbra4_cpu::{CpuExecutor, maps::Technique};
+use umbra4_cpu::CpuExecutor;
 
 use super::ways::{Way, ways};
 use crate::{
@@ -45,7 +45,7 @@ pub(super) struct Errors {
 /// One way on one scene.
 #[derive(Clone, Debug)]
 pub(super) struct Line {
-    pub(super) name: String,
+    pub(super) name: &'static str,
     /// Of the fastest run.
     pub(super) seconds: f64,
     pub(super) errors: Errors,
@@ -87,7 +87,7 @@ pub(super) fn measure(name: &str, options: &Options<'_>) -> Result<Measured, Com
                 *given.borrow_mut() = visibility;
                 Ok(seconds)
             };
-            Subject { name: name.clone(), run: Box::new(run) }
+            Subject { name: (*name).to_owned(), run: Box::new(run) }
         })
         .collect();
     let times = least(&subjects, options.budget, &Progress::new(name))?;
@@ -100,12 +100,9 @@ pub(super) fn measure(name: &str, options: &Options<'_>) -> Result<Measured, Com
         .zip(receivers.facings())
         .map(|(point, facing)| !facing.is_away_from(&problem.light, *point))
         .collect();
-    let exact: Vec<f32> = match ways.iter().position(|way| way.technique == Technique::Exact) {
-        Some(index) => given[index].clone(),
-        None => executor.visibility(&occluders, &problem.light, &receivers).map_err(ContenderError::from)?.0,
-    };
+    let [exact, ..] = &given[..] else { unreachable!("exact masks come first") };
     let lines = ways.into_iter().zip(times).zip(&given).map(|((way, time), given)| {
-        let errors = errors(given, &exact, &looking);
+        let errors = errors(given, exact, &looking);
         Line { name: way.name, seconds: time.seconds, errors }
     });
     let count = |of: &dyn Fn(f32) -> bool| exact.iter().zip(&looking).filter(|(v, looks)| **looks && of(**v)).count();

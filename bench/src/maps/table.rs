@@ -44,11 +44,7 @@ mod tests {
 
     #[test]
     fn times_are_relative_to_exact_masks_and_errors_to_the_older_approximation() {
-        let line = |name: &str, seconds, all| Line {
-            name: name.to_owned(),
-            seconds,
-            errors: Errors { all, ..Errors::default() },
-        };
+        let line = |name, seconds, all| Line { name, seconds, errors: Errors { all, ..Errors::default() } };
         let lines = vec![line("exact masks", 2.0, 0.0), line(OLDER, 1.0, 0.04), line("other", 3.0, 0.01)];
         let text = markdown(&[Measured { scene: "s".to_owned(), receivers: [9, 2, 3, 4], lines }], 8, 64);
         assert!(text.starts_with("s, light of 8² samples, maps of 64² texels; 9 receivers: 2 in penumbrae"), "{text}");

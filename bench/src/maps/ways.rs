@@ -9,7 +9,7 @@ use umbra4_cpu::maps::{
 /// A technique by a name.
 #[derive(Clone, Debug)]
 pub(super) struct Way {
-    pub(super) name: String,
+    pub(super) name: &'static str,
     pub(super) technique: Technique,
 }
 
@@ -18,8 +18,7 @@ pub(super) const OLDER: &str = "quads, rectangles";
 
 /// All ways, by maps of `size` × `size` texels where nothing else is said. Exact masks come first.
 pub(super) fn ways(size: u32) -> Vec<Way> {
-    let way = |name: &str, technique| Way { name: name.to_owned(), technique };
-    let mut ways = vec![way("exact masks", Technique::Exact)];
+    let mut ways = vec![Way { name: "exact masks", technique: Technique::Exact }];
     let map = MapOptions { size, ..MapOptions::default() };
     for (name, occluders, footprint) in [
         ("patches, rectangles", MicroOccluders::Micropatches, Footprint::Rectangles),
@@ -30,7 +29,7 @@ pub(super) fn ways(size: u32) -> Vec<Way> {
         ("quads and triangles, rows", MicroOccluders::Microtris, Footprint::Rows),
         ("quads and triangles, table", MicroOccluders::Microtris, Footprint::Table(HalfSpaces::default())),
     ] {
-        ways.push(way(name, Technique::Microquads(MicroquadOptions { map, occluders, footprint })));
+        ways.push(Way { name, technique: Technique::Microquads(MicroquadOptions { map, occluders, footprint }) });
     }
     let plain = StochasticOptions { size, ..StochasticOptions::default() };
     let exponential = |exponent| Basis::Exponential { exponent };
@@ -46,7 +45,7 @@ pub(super) fn ways(size: u32) -> Vec<Way> {
         ("exponent 35", StochasticOptions { basis: exponential(35.0), ..plain }),
         ("the paper's choices", StochasticOptions { size, ..StochasticOptions::paper() }),
     ] {
-        ways.push(way(name, Technique::Stochastic(options)));
+        ways.push(Way { name, technique: Technique::Stochastic(options) });
     }
     ways
 }

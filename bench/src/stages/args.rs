@@ -8,8 +8,7 @@ use super::{
 };
 use crate::{
     compare::CompareError,
-    shared_args::{ImageArgs, seconds},
-    timing::Budget,
+    shared_args::{ImageArgs, RunArgs, seconds},
 };
 
 /// Arguments of the command.
@@ -25,15 +24,11 @@ pub struct StagesArgs {
     /// Rows and columns of the light's samples.
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..=64))]
     samples: u32,
-    /// Threads.
-    #[arg(long, default_value_t = 1)]
-    threads: usize,
     /// Seconds of each way to run, at least; the fastest run counts.
     #[arg(long, default_value_t = 3.0, value_parser = seconds)]
     seconds: f64,
-    /// Runs of each way, at least.
-    #[arg(long, default_value_t = 3)]
-    repeat: usize,
+    #[command(flatten)]
+    run: RunArgs,
     #[command(flatten)]
     image: ImageArgs,
 }
@@ -47,10 +42,10 @@ impl StagesArgs {
         let options = Options {
             scenes: &self.image.scenes,
             samples: self.samples,
-            threads: self.threads.max(1),
+            threads: self.run.threads(),
             size: self.image.size,
             seed: self.image.seed,
-            budget: Budget { seconds: self.seconds, repeat: self.repeat },
+            budget: self.run.budget(self.seconds),
         };
         let mut lines = Vec::new();
         for scene in &self.scene {
