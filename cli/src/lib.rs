@@ -29,4 +29,5 @@ pub mod report;
 pub mod scene;
 pub mod scene_file;
 pub mod shade;
+pub mod srgb;
 pub mod stages;

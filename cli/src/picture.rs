@@ -8,6 +8,7 @@ use umbra4_core::glam::Vec3;
 use crate::{
     in_file::InFile,
     output::{OutputError, write_whole},
+    srgb,
 };
 
 /// What the numbers of a picture are.
@@ -94,7 +95,7 @@ impl Picture {
         let mut image = RgbImage::new(self.width, self.height);
         for (out, pixel) in image.pixels_mut().zip(&self.pixels) {
             let encoded = match self.meaning {
-                Meaning::Light => film(*pixel).to_array().map(srgb),
+                Meaning::Light => film(*pixel).to_array().map(srgb::encoded),
                 Meaning::Data => pixel.to_array(),
             };
             out.0 = encoded.map(|v| (v.clamp(0.0, 1.0) * 255.0).round() as u8);
@@ -107,10 +108,6 @@ impl Picture {
 fn film(light: Vec3) -> Vec3 {
     let x = light.max(Vec3::ZERO) * 0.72;
     (x * (x * 2.51 + 0.03)) / (x * (x * 2.43 + 0.59) + 0.14)
-}
-
-fn srgb(linear: f32) -> f32 {
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 #[cfg(test)]

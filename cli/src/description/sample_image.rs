@@ -5,7 +5,7 @@ use std::{fs::File, io, io::BufReader, path::Path};
 use image::{ColorType, DynamicImage, ImageDecoder, ImageError, codecs::png::PngDecoder};
 
 use super::Samples;
-use crate::in_file::InFile;
+use crate::{in_file::InFile, srgb};
 
 /// Why a picture of samples is refused.
 #[derive(Debug, thiserror::Error)]
@@ -29,16 +29,11 @@ pub enum SampleImageError {
     Pixels(ColorType),
 }
 
-/// A value of sRGB, `0.0..=1.0`, as linear light.
-fn linear(encoded: f32) -> f32 {
-    if encoded <= 0.040_45 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
-}
-
 /// What every sample emits: 8 bits are sRGB, 16 bits are linear; white is 1.
 pub(super) fn radiance(path: &Path, samples: Samples) -> Result<Vec<[f32; 3]>, InFile<SampleImageError>> {
     let image = read(path, samples).map_err(InFile::at(path))?;
     let decoded: fn(f32) -> f32 =
-        if matches!(image.color(), ColorType::L8 | ColorType::Rgb8) { linear } else { |value| value };
+        if matches!(image.color(), ColorType::L8 | ColorType::Rgb8) { srgb::linear } else { |value| value };
     Ok(image.into_rgb32f().pixels().map(|pixel| pixel.0.map(decoded)).collect())
 }
 

@@ -2,6 +2,8 @@
 
 use umbra4_core::glam::{Mat3, Vec3};
 
+use crate::srgb;
+
 /// Linear RGB (Rec. 709 primaries) to XYZ, row by row.
 const TO_XYZ: [[f32; 3]; 3] = [
     [10_135_552.0 / 24_577_794.0, 8_788_810.0 / 24_577_794.0, 4_435_075.0 / 24_577_794.0],
@@ -27,7 +29,7 @@ impl Spaces {
 
     /// sRGB in 0..=1 to YCxCz, an opponent space that is linear: Y is −16..=100.
     pub fn ycxcz(&self, srgb: Vec3) -> Vec3 {
-        let xyz = self.to_xyz * Vec3::from(srgb.to_array().map(linear)) / self.white;
+        let xyz = self.to_xyz * Vec3::from(srgb.to_array().map(srgb::linear)) / self.white;
         Vec3::new(116.0 * xyz.y - 16.0, 500.0 * (xyz.x - xyz.y), 200.0 * (xyz.y - xyz.z))
     }
 
@@ -50,10 +52,6 @@ impl Spaces {
 pub fn hyab(a: Vec3, b: Vec3) -> f32 {
     let d = a - b;
     d.x.abs() + d.y.hypot(d.z)
-}
-
-fn linear(srgb: f32) -> f32 {
-    if srgb <= 0.04045 { srgb / 12.92 } else { ((srgb + 0.055) / 1.055).powf(2.4) }
 }
 
 /// The cube root of L*a*b*, with its linear part near black.
