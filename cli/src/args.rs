@@ -6,6 +6,7 @@ use clap::{Args as ClapArgs, Parser, Subcommand, ValueEnum};
 use umbra4_core::{Precision, glam::DVec3};
 
 use crate::{
+    builtin::Builtin,
     camera::Viewpoint,
     light::{HardLight, Light},
 };
@@ -71,9 +72,9 @@ pub struct SceneArgs {
     /// Model: .obj, .ply, .ply.gz, .gltf, .glb, or .npy of shape (T, 3, 3); or a scene file, .json
     #[arg(required_unless_present = "builtin", conflicts_with = "builtin")]
     pub model: Option<PathBuf>,
-    /// Take the built-in scene instead of a model
-    #[arg(long)]
-    pub builtin: bool,
+    /// Take a built-in scene instead of a model [default: court]
+    #[arg(long, value_name = "SCENE", value_enum, num_args = 0..=1, default_missing_value = "court")]
+    pub builtin: Option<Builtin>,
     /// Size of the picture
     #[command(flatten)]
     pub size: SizeArgs,
@@ -257,7 +258,7 @@ pub enum ExecutorArg {
 impl SceneArgs {
     /// The built-in scene with all defaults.
     pub fn built_in() -> Self {
-        Self { builtin: true, ..Self::default() }
+        Self { builtin: Some(Builtin::Court), ..Self::default() }
     }
 
     /// Width and height of the picture.

@@ -6,13 +6,14 @@ use umbra4_core::glam::{DVec3, Vec3};
 
 use crate::{
     args::SceneArgs,
-    builtin::BuiltinScene,
+    builtin::{BuiltinScene, View},
     camera::{Camera, Viewpoint},
     error::ProgramError,
     fit,
+    in_file::InFile,
     light::Light,
     light_file::{self, LightShape},
-    model::{self, FileLights, Furnished, Model},
+    model::{self, FileLights, Furnished, Model, Parts},
     scene_file::{self, SceneFile},
     shade::{self, Look},
 };
@@ -22,6 +23,8 @@ use crate::{
 pub struct Scene {
     /// All triangles, the ground included.
     pub model: Model,
+    /// How they cast and receive shadows; the ground is none of them.
+    pub parts: Parts,
     /// Linear reflectance of every triangle; empty where all are of one colour.
     pub colors: Vec<Vec3>,
     /// Where it is seen from.
@@ -57,12 +60,13 @@ impl Scene {
     pub fn load(args: &SceneArgs, option: Option<&'static str>) -> Result<Self, ProgramError> {
         let shape = args.light.as_deref().map(light_file::read).transpose()?;
         let Some(path) = &args.model else {
-            let BuiltinScene { model, colors, light } = BuiltinScene::new();
-            let camera = BuiltinScene::camera(args.viewpoint())?;
-            let (light, focus, fade) = (shape.unwrap_or(light), BuiltinScene::FOCUS, BuiltinScene::FADE);
-            return Ok(Self { model, colors, camera, light, lights: Vec::new(), focus, fade });
+            let scene = args.builtin.unwrap_or_default().scene();
+            let camera = scene.camera(args.viewpoint())?;
+            let BuiltinScene { model, parts, colors, light, view: View { focus, fade, .. } } = scene;
+            let light = shape.unwrap_or(light);
+            return Ok(Self { model, parts, colors, camera, light, lights: Vec::new(), focus, fade });
         };
-        let Setting { mut model, lights, camera, ground } = Setting::load(path, option)?;
+        let Setting { mut model, parts, lights, camera, ground } = Setting::load(path, option)?;
         let bounds = model.bounds();
         let camera = fit::camera(bounds, args.viewpoint().or(camera))?;
         let fitted =
@@ -72,7 +76,7 @@ impl Scene {
             model.append(&fit::ground(bounds));
         }
         let fade = fit::FADE * fit::diagonal(bounds);
-        Ok(Self { model, colors: Vec::new(), camera, light, lights, focus: bounds.center(), fade })
+        Ok(Self { model, parts, colors: Vec::new(), camera, light, lights, focus: bounds.center(), fade })
     }
 
     /// How its surfaces reflect, and what light of power 1 looks like.
@@ -85,6 +89,7 @@ impl Scene {
 /// What a file says.
 struct Setting {
     model: Model,
+    parts: Parts,
     lights: Vec<Light>,
     camera: Viewpoint,
     ground: bool,
@@ -95,15 +100,15 @@ impl Setting {
     fn load(path: &Path, option: Option<&'static str>) -> Result<Self, ProgramError> {
         if !scene_file::is_scene_file(path) {
             let lights = if option.is_none() { FileLights::Taken } else { FileLights::PassedOver };
-            let Furnished { model, lights, camera } = model::load_furnished(path, lights)?;
-            return Ok(Self { model, lights, camera: camera.unwrap_or_default(), ground: true });
+            let Furnished { model, parts, lights, camera } = model::load_furnished(path, lights)?;
+            return Ok(Self { model, parts, lights, camera: camera.unwrap_or_default(), ground: true });
         }
         if let Some(option) = option {
             return Err(ProgramError::FileLights { option, file: path.display().to_string() });
         }
-        let SceneFile { model, ground, camera, lights } = scene_file::read(path)?;
-        let furnished = model::load_furnished(&model, FileLights::PassedOver)?;
-        let camera = camera.or(furnished.camera.unwrap_or_default());
-        Ok(Self { model: furnished.model, lights, camera, ground })
+        let SceneFile { model, ground, camera, casters, lights } = scene_file::read(path)?;
+        let Furnished { model, mut parts, camera: own, .. } = model::load_furnished(&model, FileLights::PassedOver)?;
+        scene_file::cast(&casters, &mut parts, &model).map_err(InFile::at(path))?;
+        Ok(Self { model, parts, lights, camera: camera.or(own.unwrap_or_default()), ground })
     }
 }

@@ -13,6 +13,7 @@ use crate::{
     description::{self, DescriptionError, FieldError, Fields},
     in_file::InFile,
     light::{InLight, Light},
+    model::{CastingError, CastingSaid, InPart, Model, Parts},
 };
 
 /// Why a scene file is refused.
@@ -36,6 +37,17 @@ pub enum SceneFileError {
     /// It is dark.
     #[error("field `lights` is empty: a scene has one light at least")]
     NoLights,
+    /// One of its casters.
+    #[error("field `casters[{index}]`: {reason}")]
+    Caster {
+        /// Which of them.
+        index: usize,
+        /// What is wrong with it.
+        reason: CastingError,
+    },
+    /// Casters that do not go with the model.
+    #[error("field `casters`: {0}")]
+    Casters(#[from] InPart<CastingError>),
     /// One of its lights.
     #[error(transparent)]
     Light(#[from] InLight<DescriptionError>),
@@ -50,8 +62,19 @@ pub struct SceneFile {
     pub ground: bool,
     /// The camera, as far as it is given.
     pub camera: Viewpoint,
+    /// How parts of the model cast shadows, one after the other.
+    pub casters: Vec<CasterSaid>,
     /// The lights, one at least.
     pub lights: Vec<Light>,
+}
+
+/// What a scene says about parts of its model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CasterSaid {
+    /// The name of their nodes or of their meshes; all of them without it.
+    pub name: Option<String>,
+    /// How they cast and receive shadows.
+    pub said: CastingSaid,
 }
 
 /// Whether a file is a scene by its name.
@@ -74,13 +97,43 @@ fn parse(text: &[u8], folder: &Path) -> Result<SceneFile, SceneFileError> {
     let model: PathBuf = fields.required("model")?;
     let ground = fields.optional("ground")?.unwrap_or(true);
     let camera = fields.optional("camera")?.map(viewpoint).transpose()?.unwrap_or_default();
+    let casters: Vec<Box<RawValue>> = fields.optional("casters")?.unwrap_or_default();
     let lights: Vec<Box<RawValue>> = fields.required("lights")?;
     fields.finish()?;
     if lights.is_empty() {
         return Err(SceneFileError::NoLights);
     }
     let lights = lights.iter().enumerate().map(|(index, light)| description::light(index, light, folder));
-    Ok(SceneFile { model: folder.join(model), ground, camera, lights: lights.collect::<Result<_, _>>()? })
+    let casters = casters
+        .iter()
+        .enumerate()
+        .map(|(index, json)| caster(json).map_err(|reason| SceneFileError::Caster { index, reason }));
+    Ok(SceneFile {
+        model: folder.join(model),
+        ground,
+        camera,
+        casters: casters.collect::<Result<_, _>>()?,
+        lights: lights.collect::<Result<_, _>>()?,
+    })
+}
+
+fn caster(json: &RawValue) -> Result<CasterSaid, CastingError> {
+    let mut fields: Fields = serde_json::from_str(json.get())?;
+    let name = fields.optional("name")?;
+    let said = CastingSaid::take(&mut fields)?;
+    fields.finish()?;
+    Ok(CasterSaid { name, said })
+}
+
+/// Says of the parts of a model what a scene says of them.
+///
+/// # Errors
+/// A name that none of them has; what does not go together.
+pub fn cast(casters: &[CasterSaid], parts: &mut Parts, model: &Model) -> Result<(), SceneFileError> {
+    for (index, CasterSaid { name, said }) in casters.iter().enumerate() {
+        parts.cast(name.as_deref(), said, model).map_err(|reason| SceneFileError::Caster { index, reason })?;
+    }
+    Ok(parts.check()?)
 }
 
 fn viewpoint(mut fields: Fields) -> Result<Viewpoint, SceneFileError> {
@@ -127,6 +180,18 @@ mod tests {
             (r#""model":"m.obj","camera":{"form":[0,0,0]}"#, "field `camera`: field `form` is unknown"),
             (r#""model":"m.obj","camera":{"fov":0}"#, "field `camera`: the field of view is 0"),
             (r#""model":"m.obj","camera":{"from":[1,1,1],"to":[1,1,1]}"#, "field `camera`: the camera stands"),
+            (r#""model":"m.obj","casters":3"#, "field `casters`: invalid type"),
+            (r#""model":"m.obj","casters":[{},3],"lights":[3]"#, "field `casters[1]`: not a description of shadows"),
+            (r#""model":"m.obj","casters":[{"name":3}],"lights":[3]"#, "field `casters[0]`: field `name`: invalid"),
+            (
+                r#""model":"m.obj","casters":[{"caster_layers":[32]}],"lights":[3]"#,
+                "field `casters[0]`: field `caster_layers[0]` is 32: not a layer, 0 to 31",
+            ),
+            (
+                r#""model":"m.obj","casters":[{"plane_offset":-1}],"lights":[3]"#,
+                "field `casters[0]`: field `plane_offset` is -1",
+            ),
+            (r#""model":"m.obj","casters":[{"layer":1}],"lights":[3]"#, "field `casters[0]`: field `layer` is unknown"),
             (r#""model":"m.obj","lights":[{"kind":"point"}]"#, "light 0: field `position` is missing"),
         ] {
             let message = scene(&format!("{{{fields}}}")).unwrap_err();

@@ -51,16 +51,16 @@ pub fn shaded(seen: &GBuffer, lights: &[Light], fractions: &[Fractions<'_>], loo
     let mut receivers = 0..;
     let receivers: Vec<Option<(&Hit, usize)>> =
         seen.hits.iter().map(|hit| hit.as_ref().zip(hit.and_then(|_| receivers.next()))).collect();
-    let pixels = receivers
-        .par_iter()
-        .map(|receiver| {
-            let Some((hit, receiver)) = *receiver else { return BACKDROP };
-            let color = look.colors.get(hit.triangle as usize).copied().unwrap_or(PLAIN);
-            let ambient = BOUNCE.lerp(SKY, hit.normal.y * 0.5 + 0.5);
-            let light = color * (look.white * direct(receiver, hit) + ambient);
-            light.lerp(BACKDROP, fade(hit.position.as_dvec3().distance(look.focus) / look.fade))
-        })
-        .collect();
+    let color_of = |receiver: &Option<(&Hit, usize)>| {
+        let Some((hit, receiver)) = *receiver else { return BACKDROP };
+        let color = look.colors.get(hit.triangle as usize).copied().unwrap_or(PLAIN);
+        let ambient = BOUNCE.lerp(SKY, hit.normal.y * 0.5 + 0.5);
+        let light = color * (look.white * direct(receiver, hit) + ambient);
+        light.lerp(BACKDROP, fade(hit.position.as_dvec3().distance(look.focus) / look.fade))
+    };
+    // What is seen through panes has their colours.
+    let tint = |pixel: usize| seen.tints.get(pixel).copied().unwrap_or(Vec3::ONE);
+    let pixels = receivers.par_iter().enumerate().map(|(pixel, receiver)| tint(pixel) * color_of(receiver)).collect();
     picture(seen, pixels, Meaning::Light)
 }
 
@@ -137,12 +137,21 @@ mod tests {
 
     fn one_hit() -> GBuffer {
         let hit = Hit { position: Vec3::ZERO, normal: Vec3::Y, triangle: 0 };
-        GBuffer { width: 2, height: 1, hits: vec![None, Some(hit)] }
+        GBuffer { width: 2, height: 1, hits: vec![None, Some(hit)], tints: Vec::new() }
     }
 
     #[test]
     fn only_pixels_that_see_something_take_a_value() {
         assert_eq!(visibility(&one_hit(), &[0.25]).pixels, [NOTHING, Vec3::splat(0.25)]);
+    }
+
+    #[test]
+    fn what_is_seen_through_a_pane_has_its_colour() {
+        let look = Look { colors: &[], focus: DVec3::ZERO, fade: 100.0, white: NEUTRAL };
+        let tint = Vec3::new(1.0, 0.5, 0.0);
+        let [plain, tinted] =
+            [vec![], vec![tint; 2]].map(|tints| shaded(&GBuffer { tints, ..one_hit() }, &[], &[], &look).pixels);
+        assert_eq!(tinted, plain.iter().map(|pixel| pixel * tint).collect::<Vec<_>>());
     }
 
     #[test]

@@ -1,14 +1,17 @@
-//! Collects coloured triangles from simple solids.
+//! Collects coloured triangles from simple solids, and parts with surfaces of their own.
 
 use std::f64::consts::TAU;
 
 use umbra4_core::glam::{DVec3, Vec3};
 
-use crate::model::Model;
+use crate::model::{Casting, Model, Part, Parts, Surface};
 
 #[derive(Default)]
 pub(super) struct Builder {
     model: Model,
+    parts: Parts,
+    /// Texture coordinates of the vertices of the part that is being built.
+    coordinates: Vec<[f32; 2]>,
     colors: Vec<Vec3>,
     color: Vec3,
 }
@@ -19,8 +22,30 @@ impl Builder {
         self.color = Vec3::new(r, g, b);
     }
 
-    pub(super) fn finish(self) -> (Model, Vec<Vec3>) {
-        (self.model, self.colors)
+    pub(super) fn finish(self) -> (Model, Parts, Vec<Vec3>) {
+        (self.model, self.parts, self.colors)
+    }
+
+    /// What `build` adds is a part with that surface.
+    pub(super) fn part(&mut self, label: &str, surface: Surface, build: impl FnOnce(&mut Self)) {
+        let (triangles, vertices) = (self.model.triangles.len(), self.model.vertices.len());
+        build(self);
+        self.parts.push(Part {
+            label: label.to_owned(),
+            names: vec![label.to_owned()],
+            triangles: triangles..self.model.triangles.len(),
+            vertices: vertices..self.model.vertices.len(),
+            coordinates: std::mem::take(&mut self.coordinates),
+            surface,
+            one_sided: false,
+            casting: Casting::default(),
+        });
+    }
+
+    /// A vertex of a part with a texture, all of whose vertices are such.
+    pub(super) fn textured_vertex(&mut self, position: DVec3, coordinates: [f32; 2]) -> u32 {
+        self.coordinates.push(coordinates);
+        self.vertex(position)
     }
 
     pub(super) fn vertex(&mut self, position: DVec3) -> u32 {

@@ -4,7 +4,7 @@ use umbra4_core::glam::{DQuat, DVec3};
 
 use super::{builder::Builder, random::Random};
 
-const BARK: [f32; 3] = [0.22, 0.15, 0.10];
+pub(super) const BARK: [f32; 3] = [0.22, 0.15, 0.10];
 
 pub(super) fn build(builder: &mut Builder) {
     let mut random = Random(5);
@@ -32,15 +32,17 @@ pub(super) fn build(builder: &mut Builder) {
     }
 }
 
-struct Branch {
-    from: DVec3,
-    direction: DVec3,
-    length: f64,
-    radius: f64,
+/// A branch, or a trunk.
+pub(super) struct Branch {
+    pub(super) from: DVec3,
+    pub(super) direction: DVec3,
+    pub(super) length: f64,
+    pub(super) radius: f64,
 }
 
 impl Branch {
-    fn grow(self, builder: &mut Builder, random: &mut Random, depth: u32, twigs: &mut Vec<(DVec3, DVec3)>) {
+    /// Builds it with all that forks off it, `depth` times; adds the tips and directions of twigs.
+    pub(super) fn grow(self, builder: &mut Builder, random: &mut Random, depth: u32, twigs: &mut Vec<(DVec3, DVec3)>) {
         let mut at = self.from;
         let mut direction = self.direction.normalize();
         let thin = self.radius * 0.68;

@@ -22,7 +22,7 @@ pub(super) fn run(args: &SceneArgs) -> Result<(), ProgramError> {
     scene::check_pixels(width, height)?;
     let scene = Scene::load(&args.scene, None)?;
     let lights = render::lights_of(&args, &scene)?;
-    let seen = primary::visible_surfaces(&scene.model, &scene.camera, width, height);
+    let seen = primary::visible_surfaces(&scene.model, &scene.parts, &scene.camera, width, height);
     let on_lattice = OnLattice::new(&scene.model, &seen, &lights)?;
     let executor = AnyExecutor::cpu(args.work.precision);
 

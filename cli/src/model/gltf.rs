@@ -1,7 +1,7 @@
-//! glTF 2.0, .gltf and .glb: the triangles of all meshes of the scene, with their nodes' transforms; its lights and
-//! its camera.
+//! glTF 2.0, .gltf and .glb: the triangles of all meshes of the scene, with their nodes' transforms, and what its
+//! materials do to light; its lights and its camera.
 
-use std::{borrow::Cow, path::Path};
+use std::{borrow::Cow, ops::Range, path::Path};
 
 use gltf::{
     Document, Glb, Node, Primitive, Semantic,
@@ -11,25 +11,39 @@ use gltf::{
 };
 use umbra4_core::glam::{DMat4, DVec3};
 
-use super::{FileLights, Furnished, Model, ModelError, gltf_buffers, gltf_camera, gltf_lights};
+use super::{
+    FileLights, Furnished, Model, ModelError, gltf_buffers, gltf_camera, gltf_lights,
+    gltf_materials::{self, Materials},
+    gltf_parts::Collector,
+    gltf_pictures::Pictures,
+};
 
 const FORMAT: &str = "glTF";
 const GLB_HEADER: u32 = 12;
 
 pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Model<DVec3>, ModelError> {
     let (document, blob) = open(bytes)?;
-    triangles(&document, blob, &placed(&document)?, path)
+    let buffers = gltf_buffers::read(&document, blob, path)?;
+    triangles(&placed(&document)?, &buffers, |_, _, _| Ok(()))
 }
 
-/// The triangles, the lights where they are taken, and the camera.
+/// The triangles and their parts, the lights where they are taken, and the camera.
 pub(super) fn parse_furnished(bytes: &[u8], path: &Path, lights: FileLights) -> Result<Furnished<DVec3>, ModelError> {
     let (document, blob) = open(bytes)?;
+    let buffers = gltf_buffers::read(&document, blob, path)?;
     let mut nodes = placed(&document)?;
-    let model = triangles(&document, blob, &nodes, path)?;
+    let materials = Materials::new(document.as_json(), Pictures::new(document.as_json(), &buffers, path));
+    let mut parts = Collector::new(materials, &buffers);
+    let model = triangles(&nodes, &buffers, |node, primitive, added| parts.add(node, primitive, added))?;
     // As the file counts them, not as the tree is walked.
     nodes.sort_by_key(|(node, _)| node.index());
     let lights = if lights == FileLights::Taken { gltf_lights::read(&nodes, path)? } else { Vec::new() };
-    Ok(Furnished { model, lights, camera: gltf_camera::read(&document, &nodes) })
+    Ok(Furnished { model, parts: parts.finish(), lights, camera: gltf_camera::read(&document, &nodes) })
+}
+
+/// What messages call an element of the document.
+pub(super) fn called(kind: &str, index: usize, name: Option<&str>) -> String {
+    name.map_or_else(|| format!("{kind} {index}"), |name| format!("{kind} {index} '{name}'"))
 }
 
 /// A node, and its transform to the world.
@@ -57,17 +71,29 @@ fn placed(document: &Document) -> Result<Vec<Placed<'_>>, ModelError> {
     Ok(nodes)
 }
 
+/// What a primitive has added to the model.
+pub(super) struct Added {
+    /// Indices of its triangles.
+    pub(super) triangles: Range<usize>,
+    /// Indices of its vertices.
+    pub(super) vertices: Range<usize>,
+}
+
+/// The triangles of all nodes; `each` is told of every primitive.
 fn triangles(
-    document: &Document,
-    blob: Option<Vec<u8>>,
     nodes: &[Placed<'_>],
-    path: &Path,
+    buffers: &[Vec<u8>],
+    mut each: impl FnMut(&Node<'_>, &Primitive<'_>, Added) -> Result<(), ModelError>,
 ) -> Result<Model<DVec3>, ModelError> {
-    let buffers = gltf_buffers::read(document, blob, path)?;
     let mut model = Model::default();
     for (node, transform) in nodes {
         for primitive in node.mesh().iter().flat_map(gltf::Mesh::primitives) {
-            append(&mut model, &primitive, transform, &buffers)?;
+            let (triangles, vertices) = (model.triangles.len(), model.vertices.len());
+            append(&mut model, &primitive, transform, buffers)?;
+            let added = Added { triangles: triangles..model.triangles.len(), vertices: vertices..model.vertices.len() };
+            if !added.triangles.is_empty() {
+                each(node, &primitive, added)?;
+            }
         }
     }
     Ok(model)
@@ -98,6 +124,7 @@ fn open(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), ModelError> {
             )));
         }
     }
+    gltf_materials::check_names(&root).map_err(ModelError::material)?;
     Ok((Document::from_json(root).map_err(failed)?, blob))
 }
 

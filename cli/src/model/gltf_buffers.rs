@@ -27,17 +27,18 @@ pub(super) fn read(document: &Document, mut blob: Option<Vec<u8>>, path: &Path) 
         .collect()
 }
 
-fn resolve(uri: &str, path: &Path) -> Result<Vec<u8>, ModelError> {
+/// The bytes behind a URI of a document that lies at `path`: data of its own, or a file.
+pub(super) fn resolve(uri: &str, path: &Path) -> Result<Vec<u8>, ModelError> {
     if let Some(data) = uri.strip_prefix("data:") {
         let (_, encoded) = data.split_once(";base64,").ok_or_else(|| malformed("a data URI is not base64"))?;
         return STANDARD.decode(encoded).map_err(|e| malformed(format!("a data URI does not decode: {e}")));
     }
     if uri.contains("://") {
-        return Err(malformed(format!("buffer '{uri}' is not a file")));
+        return Err(malformed(format!("'{uri}' is not a file")));
     }
-    let name = percent_decode_str(uri).decode_utf8().map_err(|_| malformed("a buffer's name is not UTF-8"))?;
+    let name = percent_decode_str(uri).decode_utf8().map_err(|_| malformed("a file's name is not UTF-8"))?;
     let file = path.parent().unwrap_or(Path::new("")).join(&*name);
-    fs::read(&file).map_err(|e| malformed(format!("buffer {}: {e}", file.display())))
+    fs::read(&file).map_err(|e| malformed(format!("{}: {e}", file.display())))
 }
 
 /// The elements of an accessor, `accessor.size()` bytes each.

@@ -1,22 +1,18 @@
 //! The lights of a glTF document: those of KHR_lights_punctual, and rectangles in the extras of nodes.
 
-use std::{collections::BTreeMap, path::Path};
+use std::path::Path;
 
-use gltf::{Node, khr_lights_punctual::Kind};
-use serde_json::value::RawValue;
+use gltf::khr_lights_punctual::Kind;
 use umbra4_core::{
     DirectionalLight,
     glam::{DMat4, DVec3},
 };
 
-use super::{ModelError, gltf::Placed};
+use super::{ModelError, gltf::Placed, gltf_extras};
 use crate::{
     description::{self, DescriptionError},
     light::{Cone, HardLight, InLight, Light, Source},
 };
-
-/// Name, among the extras of a node, of a light with an area.
-const EXTRAS: &str = "umbra4";
 
 /// All lights, in the order of the nodes. Pictures of samples lie beside the document.
 pub(super) fn read(nodes: &[Placed<'_>], path: &Path) -> Result<Vec<Light>, ModelError> {
@@ -28,7 +24,7 @@ pub(super) fn read(nodes: &[Placed<'_>], path: &Path) -> Result<Vec<Light>, Mode
             let (power, hard) = punctual(&light, transform).map_err(InLight::at(&label))?;
             lights.push(Light { label, power, source: Source::Hard(hard) });
         }
-        if let Some(json) = area(node) {
+        if let Some(json) = gltf_extras::find(node.extras(), gltf_extras::LIGHT) {
             lights.push(description::light_on_node(lights.len(), node.name(), &json, (folder, transform))?);
         }
     }
@@ -55,13 +51,6 @@ fn punctual(
         }
     };
     Ok((power, hard))
-}
-
-/// The description of a light with an area in the extras of a node. Extras of others are passed over.
-fn area(node: &Node<'_>) -> Option<Box<RawValue>> {
-    let extras = node.extras().as_ref()?;
-    let mut extras: BTreeMap<String, Box<RawValue>> = serde_json::from_str(extras.get()).ok()?;
-    extras.remove(EXTRAS)
 }
 
 #[cfg(test)]

@@ -1,12 +1,21 @@
 //! Triangle meshes from files: one loader a format, all behind [`load`].
 
+mod casting;
 mod gltf;
 mod gltf_buffers;
 mod gltf_camera;
+mod gltf_coordinates;
+mod gltf_extras;
 mod gltf_lights;
+mod gltf_materials;
+mod gltf_parts;
+mod gltf_pictures;
+mod material_error;
 mod obj;
+mod part;
 mod ply;
 mod soup;
+mod surface;
 
 use std::{ffi::OsStr, fs, io, path::Path};
 
@@ -23,6 +32,12 @@ use crate::{
     light::{InLight, Light},
 };
 
+pub use casting::{Casting, CastingError, CastingSaid, InPart};
+pub use gltf_pictures::PictureError;
+pub use material_error::{CoordinatesError, MaterialError, TextureError, TextureName};
+pub use part::{Part, Parts};
+pub use surface::{Surface, Texture, Wrap};
+
 /// An indexed triangle mesh, in world units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Model<V = Vec3> {
@@ -37,6 +52,8 @@ pub struct Model<V = Vec3> {
 pub struct Furnished<V = Vec3> {
     /// The triangles.
     pub model: Model<V>,
+    /// How they cast and receive shadows; glTF alone says.
+    pub parts: Parts,
     /// Its lights, where they are taken; glTF alone has some.
     pub lights: Vec<Light>,
     /// Its first camera, if there is one; glTF alone has some.
@@ -83,6 +100,17 @@ pub enum ModelError {
     /// One of its lights is refused.
     #[error(transparent)]
     Light(#[from] InLight<DescriptionError>),
+    /// One of its materials is refused.
+    #[error("{material}: {reason}")]
+    Material {
+        /// What the material is called.
+        material: String,
+        /// What is wrong with it; in a box, since it may be much.
+        reason: Box<MaterialError>,
+    },
+    /// What is said about how a part casts shadows is refused.
+    #[error(transparent)]
+    Casting(#[from] InPart<CastingError>),
     /// The array of a triangle soup is refused.
     #[error(transparent)]
     Array(#[from] ArrayError),
@@ -111,6 +139,13 @@ pub enum ModelError {
     },
 }
 
+impl ModelError {
+    /// For `map_err`: an error of a material, which comes with its name.
+    fn material((material, reason): (String, MaterialError)) -> Self {
+        Self::Material { material, reason: Box::new(reason) }
+    }
+}
+
 /// Loads a model; coordinates that the file holds in f64 are rounded to f32.
 ///
 /// # Errors
@@ -127,7 +162,7 @@ pub fn load_f64(path: &Path) -> Result<Model<DVec3>, InFile<ModelError>> {
     parse_file(path).map_err(InFile::at(path))
 }
 
-/// As [`load`], with lights and a camera where the file has them.
+/// As [`load`], with what the file says beyond triangles.
 ///
 /// # Errors
 /// See [`ModelError`].
@@ -136,9 +171,9 @@ pub fn load_furnished(path: &Path, lights: FileLights) -> Result<Furnished, InFi
         return Ok(Furnished { model: load(path)?, ..Furnished::default() });
     }
     let parse = || {
-        let Furnished { model, lights, camera } = gltf::parse_furnished(&fs::read(path)?, path, lights)?;
+        let Furnished { model, parts, lights, camera } = gltf::parse_furnished(&fs::read(path)?, path, lights)?;
         check(&model)?;
-        Ok(Furnished { model: rounded(model)?, lights, camera })
+        Ok(Furnished { model: rounded(model)?, parts, lights, camera })
     };
     parse().map_err(InFile::at(path))
 }

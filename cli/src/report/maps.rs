@@ -87,7 +87,7 @@ mod tests {
 
     fn seen() -> GBuffer {
         let hit = Hit { position: Vec3::ZERO, normal: Vec3::Y, triangle: 0 };
-        GBuffer { width: 2, height: 2, hits: vec![Some(hit), None, Some(hit), Some(hit)] }
+        GBuffer { width: 2, height: 2, hits: vec![Some(hit), None, Some(hit), Some(hit)], tints: Vec::new() }
     }
 
     #[test]

@@ -6,6 +6,7 @@ use umbra4_cpu::{Occluders, Receivers};
 use crate::{
     error::ProgramError,
     light_file::LightShape,
+    model::Parts,
     primary::{self, GBuffer},
     scene::Scene,
 };
@@ -41,7 +42,8 @@ impl Problem {
     pub fn new(scene: Scene, width: u32, height: u32) -> Result<Self, ProgramError> {
         let corners = scene.light.sampled(1)?.corners();
         let lattice = Lattice::covering(scene.model.bounds().union(Bounds::of(corners)))?;
-        let seen = primary::visible_surfaces(&scene.model, &scene.camera, width, height);
+        // Every method knows opaque triangles, and no others.
+        let seen = primary::visible_surfaces(&scene.model, &Parts::default(), &scene.camera, width, height);
         let positions = seen.seen().map(|hit| hit.position).collect();
         let normals = seen.seen().map(|hit| hit.normal).collect();
         Ok(Self { scene, seen, lattice, positions, normals })

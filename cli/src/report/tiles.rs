@@ -87,7 +87,8 @@ mod tests {
     /// Every third pixel sees nothing.
     fn seen(width: u32, height: u32) -> GBuffer {
         let hit = Hit { position: Vec3::ZERO, normal: Vec3::Y, triangle: 0 };
-        GBuffer { width, height, hits: (0..width * height).map(|i| (i % 3 != 0).then_some(hit)).collect() }
+        let hits = (0..width * height).map(|i| (i % 3 != 0).then_some(hit)).collect();
+        GBuffer { width, height, hits, tints: Vec::new() }
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! Small files and a way to run the program.
 #![allow(dead_code)] // no test file needs all of it
 
+pub mod gltf;
+
 use std::{
     fs,
     path::{Path, PathBuf},

@@ -33,8 +33,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     let lights = lights_of(args, &scene)?;
     let asked = Asked::of(args, &lights)?;
     let executor = AnyExecutor::new(&args.work)?;
-    let seen =
-        stages.run("primary", || primary::visible_surfaces(&scene.model, &scene.camera, fine(width), fine(height)));
+    let seen = stages.run("primary", || {
+        primary::visible_surfaces(&scene.model, &scene.parts, &scene.camera, fine(width), fine(height))
+    });
     let on_lattice = stages.run("snap", || OnLattice::new(&scene.model, &seen, &lights))?;
     let (found, Report { counts, .. }) = asked.find(&executor, &on_lattice, &mut stages)?;
 

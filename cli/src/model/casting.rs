@@ -1,0 +1,160 @@
+//! Who is in the shadow of a part, in whose shadow it is, and how far from its plane its shadow begins.
+
+use serde_json::value::RawValue;
+
+use crate::description::{FieldError, Fields};
+
+/// How a part casts and receives shadows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Casting {
+    /// The layers that it casts on, a bit each.
+    pub caster_layers: u32,
+    /// The layers that it is in the shadow of, a bit each.
+    pub receiver_layers: u32,
+    /// How far towards the light its shadow begins, world units, 0 at least.
+    pub plane_offset: f64,
+}
+
+impl Default for Casting {
+    /// All layers, and no offset.
+    fn default() -> Self {
+        Self { caster_layers: u32::MAX, receiver_layers: u32::MAX, plane_offset: 0.0 }
+    }
+}
+
+/// What a file says about that.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CastingSaid {
+    /// The layers that it casts on.
+    pub caster_layers: Option<u32>,
+    /// The layers that it is in the shadow of.
+    pub receiver_layers: Option<u32>,
+    /// How far towards the light its shadow begins, world units.
+    pub plane_offset: Option<f64>,
+}
+
+/// Why it is refused.
+#[derive(Debug, thiserror::Error)]
+pub enum CastingError {
+    /// It is no object, or has a field twice.
+    #[error("not a description of shadows: {0}")]
+    Malformed(#[from] serde_json::Error),
+    /// One of its fields.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// A layer that there is not.
+    #[error("field `{field}[{index}]` is {value}: not a layer, 0 to 31")]
+    Layer {
+        /// Name of the field.
+        field: &'static str,
+        /// Which of the layers.
+        index: usize,
+        /// Its value.
+        value: f64,
+    },
+    /// An offset that is no distance.
+    #[error("field `plane_offset` is {0}: not a distance, 0 at least")]
+    Offset(f64),
+    /// An offset where there is no plane that blocks.
+    #[error("field `plane_offset` is {0}: surfaces that let light through have none")]
+    OffsetOfTinted(f64),
+    /// A name that nothing has.
+    #[error("no node or mesh of the model is called '{0}'")]
+    NoPart(String),
+}
+
+/// An error, and the part that it is about.
+#[derive(Debug, thiserror::Error)]
+#[error("{part}: {source}")]
+pub struct InPart<E: std::error::Error + 'static> {
+    /// What the part is called.
+    pub part: String,
+    /// What is wrong with it.
+    pub source: E,
+}
+
+impl CastingSaid {
+    /// Takes its fields; each may be left out.
+    ///
+    /// # Errors
+    /// A number that is no layer, or no distance.
+    pub fn take(fields: &mut Fields) -> Result<Self, CastingError> {
+        Ok(Self {
+            caster_layers: layers(fields, "caster_layers")?,
+            receiver_layers: layers(fields, "receiver_layers")?,
+            plane_offset: offset(fields)?,
+        })
+    }
+
+    /// Reads an object of these fields and no others.
+    ///
+    /// # Errors
+    /// As [`CastingSaid::take`]; no object.
+    pub fn read(json: &RawValue) -> Result<Self, CastingError> {
+        let mut fields: Fields = serde_json::from_str(json.get())?;
+        let said = Self::take(&mut fields)?;
+        fields.finish()?;
+        Ok(said)
+    }
+
+    /// What is said here, and else what was said before.
+    #[must_use]
+    pub fn over(&self, before: Casting) -> Casting {
+        Casting {
+            caster_layers: self.caster_layers.unwrap_or(before.caster_layers),
+            receiver_layers: self.receiver_layers.unwrap_or(before.receiver_layers),
+            plane_offset: self.plane_offset.unwrap_or(before.plane_offset),
+        }
+    }
+}
+
+fn layers(fields: &mut Fields, field: &'static str) -> Result<Option<u32>, CastingError> {
+    let Some(layers) = fields.optional::<Vec<f64>>(field)? else { return Ok(None) };
+    let bit = |(index, value): (usize, f64)| {
+        let is_layer = (0.0..f64::from(u32::BITS)).contains(&value) && value.fract() == 0.0;
+        if is_layer { Ok(1 << value as u32) } else { Err(CastingError::Layer { field, index, value }) }
+    };
+    layers.into_iter().enumerate().map(bit).try_fold(0, |all, bit| Ok(all | bit?)).map(Some)
+}
+
+fn offset(fields: &mut Fields) -> Result<Option<f64>, CastingError> {
+    match fields.optional("plane_offset")? {
+        Some(offset) if !(offset >= 0.0 && f64::is_finite(offset)) => Err(CastingError::Offset(offset)),
+        offset => Ok(offset),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> Result<CastingSaid, String> {
+        CastingSaid::read(&RawValue::from_string(text.to_owned()).unwrap()).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn layers_are_bits() {
+        let said = read(r#"{"caster_layers":[0,31,0],"receiver_layers":[],"plane_offset":0}"#).unwrap();
+        let casting = said.over(Casting::default());
+        assert_eq!(casting, Casting { caster_layers: 1 << 31 | 1, receiver_layers: 0, plane_offset: 0.0 });
+        assert_eq!(read("{}").unwrap().over(casting), casting);
+    }
+
+    #[test]
+    fn errors_name_field_and_value() {
+        for (text, words) in [
+            ("3", "not a description of shadows: invalid type: integer `3`, expected an object"),
+            (r#"{"caster_layers":[0,32]}"#, "field `caster_layers[1]` is 32: not a layer, 0 to 31"),
+            (r#"{"receiver_layers":[-1]}"#, "field `receiver_layers[0]` is -1: not a layer"),
+            (r#"{"receiver_layers":[0.5]}"#, "field `receiver_layers[0]` is 0.5: not a layer"),
+            (r#"{"caster_layers":3}"#, "field `caster_layers`: invalid type"),
+            (r#"{"plane_offset":-0.5}"#, "field `plane_offset` is -0.5: not a distance, 0 at least"),
+            (r#"{"plane_offset":1e999}"#, "field `plane_offset`: number out of range"),
+            (r#"{"offset":1}"#, "field `offset` is unknown"),
+            (r#"{"plane_offset":1,"plane_offset":1}"#, "field `plane_offset` is there twice"),
+        ] {
+            let message = read(text).unwrap_err();
+            assert!(message.contains(words), "{text}: {message}");
+        }
+    }
+}
