@@ -218,6 +218,8 @@ pub enum View {
     Shaded,
     /// The fraction of light samples that are seen
     Visibility,
+    /// The fractions of red, green and blue that get through, panes and all
+    Light,
     /// Umbra, penumbra and lit in false colour
     Penumbra,
     /// How many triangles block something: where the work goes

@@ -2,8 +2,8 @@
 
 use std::{fmt::Display, io};
 
-use umbra4_core::{LatticeError, LightError, accumulate::AccumulationError};
-use umbra4_cpu::{ExecutorError, SceneError};
+use umbra4_core::{LatticeError, LightError, accumulate::AccumulationError, emission::EmissionError};
+use umbra4_cpu::{CasterError, ExecutorError, SceneError};
 use umbra4_wgpu::GpuError;
 
 use crate::{
@@ -12,7 +12,7 @@ use crate::{
     in_file::InFile,
     light::{InLight, SnapLightError},
     light_file::LightFileError,
-    model::ModelError,
+    model::{InPart, ModelError},
     output::OutputError,
     report::{CompareError, RasterError},
     scene_file::SceneFileError,
@@ -36,12 +36,24 @@ pub enum ProgramError {
     Light(#[from] LightError),
     /// One of several lights, once snapped.
     SnapLight(#[from] InLight<SnapLightError>),
+    /// What the samples of a light emit.
+    Emission(#[from] EmissionError),
     /// The camera.
     Camera(#[from] CameraError),
     /// The world is too large.
     Lattice(#[from] LatticeError),
     /// A point that cannot be snapped.
     Scene(#[from] SceneError),
+    /// A part of the scene that casts no shadow.
+    Caster(#[from] InPart<CasterError>),
+    /// Something that only opaque surfaces which cast on everything have.
+    #[error(
+        "surfaces that are cut out or let light through, layers, plane offsets and closed meshes do not go with {with}"
+    )]
+    Casters {
+        /// What was asked for, or the light.
+        with: String,
+    },
     /// The executor.
     Executor(#[from] ExecutorError),
     /// The GPU.

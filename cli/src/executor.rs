@@ -1,7 +1,7 @@
 //! Where the work is done: on the processor, or on a GPU. The bits are the same.
 
 use umbra4_core::{Counts, LatticeLight, Plan, Punctual, cloud::Cloud, glam::IVec3};
-use umbra4_cpu::{CpuExecutor, CpuWord, Occluders, Receivers, maps::Technique};
+use umbra4_cpu::{Caster, CasterIndex, CpuExecutor, CpuWord, Occluders, Receivers, maps::Technique};
 use umbra4_wgpu::{Choice, Gpu, LatticeReceivers, LatticeScene, WgpuExecutor};
 
 use crate::{
@@ -259,6 +259,53 @@ impl AnyExecutor {
         }
     }
 
+    /// The fraction of lit samples of every receiver, by casters that block them.
+    ///
+    /// # Errors
+    /// The executor's; there are no casters on GPUs yet.
+    pub fn caster_visibility(
+        &self,
+        casters: &[Caster],
+        light: &LatticeLight,
+        receivers: &Receivers,
+    ) -> Result<(Vec<f32>, Report), ProgramError> {
+        let cpu = self.for_casters()?;
+        let index = cpu.index_casters(casters, light);
+        let (visibility, statistics) = cpu.caster_visibility(&index, receivers)?;
+        Ok((visibility, with_index(&index, statistics)))
+    }
+
+    /// Sums of the weights of the lit samples of every receiver, as casters let them through.
+    ///
+    /// # Errors
+    /// The executor's; there are no casters on GPUs yet.
+    pub fn caster_light(
+        &self,
+        casters: &[Caster],
+        light: &LatticeLight,
+        receivers: &Receivers,
+        emission: &Weights,
+    ) -> Result<(Vec<[u32; 3]>, Report), ProgramError> {
+        let cpu = self.for_casters()?;
+        let index = cpu.index_casters(casters, light);
+        let (lit, statistics) = cpu.caster_light(&index, receivers, emission)?;
+        Ok((lit, with_index(&index, statistics)))
+    }
+
+    /// What the processor would run for the light that comes through casters.
+    pub fn caster_plan(&self, casters: &[Caster], light: &LatticeLight, receivers: &Receivers) -> Plan {
+        let cpu = self.processor();
+        cpu.caster_plan(&cpu.index_casters(casters, light), receivers, true, true)
+    }
+
+    /// The executor that knows casters.
+    fn for_casters(&self) -> Result<&CpuExecutor, ProgramError> {
+        match self {
+            Self::Cpu(cpu) => Ok(cpu),
+            Self::Gpu(gpu, _) => Err(ProgramError::Casters { with: format!("GPUs yet ({})", gpu.gpu().name) }),
+        }
+    }
+
     /// How many triangles block something from each receiver.
     ///
     /// # Errors
@@ -297,6 +344,13 @@ pub fn choice(machine: &MachineArgs) -> Choice {
 
 fn processor(precision: PrecisionArg) -> CpuExecutor {
     CpuExecutor::new().with_precision(precision.into())
+}
+
+/// What was done for the index and for the receivers.
+fn with_index(index: &CasterIndex, statistics: umbra4_cpu::Statistics) -> Report {
+    let mut report = Report::from(index.statistics().clone());
+    report.add(&statistics.into());
+    report
 }
 
 fn on_lattice(occluders: &Occluders) -> LatticeScene<'_> {

@@ -8,6 +8,7 @@ pub mod array_file;
 pub mod bounds;
 pub mod builtin;
 pub mod camera;
+pub mod casters;
 pub mod commands;
 pub mod description;
 pub mod error;

@@ -181,8 +181,10 @@ fn on_triangle([a, b, c]: [DVec3; 3], weights: DVec3) -> DVec3 {
 mod tests {
     use std::sync::Arc;
 
+    use umbra4_core::texture::{TextureSize, Wrap};
+
     use super::*;
-    use crate::model::{Casting, Surface, Texture, Wrap};
+    use crate::model::{Casting, Surface, Texture};
 
     fn square(size: f32, offset: Vec3) -> Model {
         let corner = |x: f32, z: f32| offset + Vec3::new(x, 0.0, z) * size;
@@ -235,7 +237,7 @@ mod tests {
 
     #[test]
     fn holes_and_panes_show_what_lies_behind() {
-        let camera = Camera::new(DVec3::new(0.0, 40.0, 0.0), DVec3::ZERO, 1.0).unwrap();
+        let camera = Camera::new(DVec3::new(0.013, 40.0, 0.027), DVec3::new(0.013, 0.0, 0.027), 1.0).unwrap();
         let seen = |surface| {
             let (model, parts) = covered(surface);
             visible_surfaces(&model, &parts, &camera, 4, 4)
@@ -247,7 +249,8 @@ mod tests {
         let pane = seen(Surface::Tinted(Vec3::new(1.0, 0.5, 0.0)));
         assert_eq!((heights(&pane), pane.tints), (vec![0.0; 16], vec![Vec3::new(1.0, 0.5, 0.0); 16]));
         // The half where u is below ½ is cut out; u grows along +x.
-        let alphas = Arc::new(Texture { width: 2, height: 1, texels: vec![0, 255], wrap: [Wrap::Repeat; 2] });
+        let size = TextureSize { width: 2, height: 1, wrap: [Wrap::Repeat; 2] };
+        let alphas = Arc::new(Texture { size, texels: vec![0, 255] });
         let cut = seen(Surface::Cutout { alphas, threshold: 128 });
         assert!(cut.seen().all(|hit| (hit.position.y == 1.0) == (hit.position.x > 0.0)), "{cut:?}");
         assert!(heights(&cut).contains(&0.0) && heights(&cut).contains(&1.0));

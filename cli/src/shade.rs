@@ -85,6 +85,11 @@ pub fn visibility(seen: &GBuffer, visibility: &[f32]) -> Picture {
     data(seen, visibility, |v| Vec3::splat(*v))
 }
 
+/// The fractions of red, green and blue that get through.
+pub fn light(seen: &GBuffer, fractions: &[Vec3]) -> Picture {
+    data(seen, fractions, |fraction| *fraction)
+}
+
 /// Umbra, penumbra and lit, in three colours; the penumbra's varies with its depth.
 pub fn penumbra(seen: &GBuffer, visibility: &[f32]) -> Picture {
     data(seen, visibility, |&v| {

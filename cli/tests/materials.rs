@@ -11,8 +11,8 @@ use common::{
 };
 use image::{DynamicImage, ImageFormat, Rgba, RgbaImage};
 use serde_json::{Value, json};
-use umbra4::model::{self, FileLights, Furnished, Surface, Wrap};
-use umbra4_core::glam::Vec3;
+use umbra4::model::{self, FileLights, Furnished, Surface};
+use umbra4_core::{Layers, glam::Vec3, texture::Wrap};
 
 /// Two texels each way: alphas 0, 100, 200 and 255.
 fn picture() -> DynamicImage {
@@ -31,7 +31,8 @@ fn load(folder: &Folder, document: &Value) -> Result<Furnished, String> {
 }
 
 fn surface(folder: &Folder, document: &Value) -> Surface {
-    load(folder, document).unwrap().parts.of(0).unwrap().surface.clone()
+    let parts = load(folder, document).unwrap().parts;
+    parts.iter().find(|part| part.names == ["card", "leaf"]).unwrap().surface.clone()
 }
 
 #[test]
@@ -51,8 +52,11 @@ fn a_mask_is_a_cutout() {
         })
         .collect();
     let [(first, alphas, threshold), (second, others, _)] = cutouts[..] else { panic!("{all:?}") };
-    assert_eq!((alphas.width, alphas.height, alphas.texels.as_slice()), (2, 2, [0, 100, 200, 255].as_slice()));
-    assert_eq!((threshold, alphas.wrap), (128, [Wrap::Repeat; 2]));
+    assert_eq!(
+        (alphas.size.width, alphas.size.height, alphas.texels.as_slice()),
+        (2, 2, [0, 100, 200, 255].as_slice())
+    );
+    assert_eq!((threshold, alphas.size.wrap), (128, [Wrap::Repeat; 2]));
     // Nodes that share a mesh share its texture, not its coordinates, which go by vertices.
     assert!(Arc::ptr_eq(alphas, others));
     assert_eq!(
@@ -72,7 +76,7 @@ fn blends_and_transmission_are_tints() {
     material["alphaMode"] = json!("BLEND");
     material["pbrMetallicRoughness"]["baseColorFactor"] = json!([1, 1, 1, 0.5]);
     let Surface::Stained(tints) = surface(&folder, &card(material, &picture())) else { panic!("no tints") };
-    let expected = [0.0, 100.0, 200.0, 255.0].map(|alpha: f32| Vec3::splat(1.0 - alpha / 255.0 * 0.5));
+    let expected = [0.0, 100.0, 200.0, 255.0].map(|alpha: f32| [1.0 - alpha / 255.0 * 0.5; 3]);
     assert_eq!(tints.texels, expected);
     let glass = json!({"pbrMetallicRoughness": {"baseColorFactor": [1, 0.5, 0.25, 1], "baseColorTexture": {"index": 0}},
         "extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.5}}});
@@ -129,7 +133,7 @@ fn samplers_and_sets_of_coordinates() {
     let part = read.parts.iter().find(|part| part.surface.is_textured()).unwrap();
     assert_eq!(part.coordinates, [[0.25, 0.0], [0.25, 2.0], [0.75, 2.0], [0.75, 0.0]]);
     let Surface::Cutout { alphas, .. } = &part.surface else { panic!("no cutout") };
-    assert_eq!(alphas.wrap, [Wrap::Clamp, Wrap::Repeat]);
+    assert_eq!(alphas.size.wrap, [Wrap::Clamp, Wrap::Repeat]);
 }
 
 #[test]
@@ -235,7 +239,10 @@ fn extras_and_scene_files_say_how_parts_cast() {
     document["nodes"][0]["extras"] = json!({"umbra4_caster": {"caster_layers": [2, 0]}});
     let read = load(&folder, &document).unwrap();
     let casting = |name: &str| read.parts.iter().find(|part| part.names.iter().any(|own| own == name)).unwrap().casting;
-    assert_eq!((casting("card").caster_layers, casting("card").receiver_layers), (0b101, u32::MAX));
+    assert_eq!(
+        (casting("card").caster_layers, casting("card").receiver_layers),
+        (Layers::from_bits(0b101), Layers::ALL)
+    );
     assert_eq!(casting("leaf").plane_offset, 0.5);
     assert_eq!(casting("floor"), Default::default());
 
@@ -252,8 +259,11 @@ fn extras_and_scene_files_say_how_parts_cast() {
     let read = umbra4::scene::Scene::load(&args, None).unwrap();
     let castings: Vec<_> = read.parts.iter().map(|part| (part.names[0].clone(), part.casting)).collect();
     for (name, casting) in castings {
-        let receivers = if name == "floor" { 1 << 4 } else { u32::MAX };
-        assert_eq!((casting.caster_layers, casting.receiver_layers, casting.plane_offset), (1 << 9, receivers, 0.0));
+        let receivers = if name == "floor" { Layers::from_bits(1 << 4) } else { Layers::ALL };
+        assert_eq!(
+            (casting.caster_layers, casting.receiver_layers, casting.plane_offset),
+            (Layers::from_bits(1 << 9), receivers, 0.0)
+        );
     }
     // The ground is no part.
     assert!(read.parts.of(read.model.triangles.len() - 1).is_none());

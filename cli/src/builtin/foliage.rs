@@ -15,7 +15,7 @@ use super::{
 /// Half the width of the plain.
 const PLAIN: f64 = 60.0;
 /// Cards at every twig.
-const CARDS: u32 = 4;
+const CARDS: u32 = 2;
 
 pub(super) fn scene() -> BuiltinScene {
     let mut builder = Builder::default();
@@ -23,7 +23,7 @@ pub(super) fn scene() -> BuiltinScene {
     ground(&mut builder);
     let mut twigs = Vec::new();
     builder.color(BARK[0], BARK[1], BARK[2]);
-    for (x, z, length, radius) in [(-2.3, -1.5, 1.05, 0.15), (1.9, -2.4, 0.9, 0.12), (0.5, 1.1, 0.5, 0.06)] {
+    for (x, z, length, radius) in [(-2.3, -1.7, 1.25, 0.15), (2.0, -2.2, 1.05, 0.12), (0.5, 1.0, 0.62, 0.06)] {
         let trunk = Branch {
             from: DVec3::new(x, -0.05, z),
             direction: DVec3::new(random.between(-0.1, 0.1), 1.0, random.between(-0.1, 0.1)),
@@ -36,19 +36,21 @@ pub(super) fn scene() -> BuiltinScene {
         for (tip, direction) in twigs {
             for _ in 0..CARDS {
                 let along = (direction + random.direction() * 0.9 + DVec3::Y * 0.15).normalize_or(DVec3::Y);
-                let size = random.between(0.20, 0.36);
+                let size = random.between(0.22, 0.40);
                 let from = tip - direction * random.between(0.0, 0.16);
                 leaf(builder, &mut random, from, along, size, 0);
             }
         }
-        for (x, z, count) in [(-3.6, 0.9, 160), (3.3, 0.2, 190), (-0.9, 2.9, 70), (2.6, 2.6, 60)] {
+        for (x, z, count) in
+            [(-3.6, 0.6, 150), (3.4, 0.1, 170), (-1.3, 2.4, 70), (2.3, 2.3, 60), (-0.4, -3.7, 160), (4.1, -3.6, 140)]
+        {
             bush(builder, &mut random, DVec3::new(x, 0.0, z), count);
         }
     });
     let view = View {
-        eye: DVec3::new(2.6, 3.6, 11.4),
-        target: DVec3::new(-0.1, 1.45, -0.4),
-        fov: 34.0,
+        eye: DVec3::new(3.0, 2.6, 8.4),
+        target: DVec3::new(-0.1, 1.4, -0.8),
+        fov: 42.0,
         focus: DVec3::new(0.0, 1.0, 0.0),
         fade: 17.0,
     };

@@ -2,9 +2,12 @@
 
 use std::{f64::consts::TAU, sync::Arc};
 
-use umbra4_core::glam::DVec2;
+use umbra4_core::{
+    glam::DVec2,
+    texture::{TextureSize, Wrap},
+};
 
-use crate::model::{Surface, Texture, Wrap};
+use crate::model::{Surface, Texture};
 
 /// Texels each way of one sprig.
 const SIZE: u32 = 128;
@@ -21,8 +24,8 @@ pub(super) const SPRIGS: u32 = 2;
 /// The surface of a card. Stems stand upright, with their feet at v = 1.
 pub(super) fn surface() -> Surface {
     let texels = (0..SIZE * SIZE * SPRIGS).map(|i| alpha(i % (SIZE * SPRIGS), i / (SIZE * SPRIGS))).collect();
-    let texture = Texture { width: SIZE * SPRIGS, height: SIZE, texels, wrap: [Wrap::Clamp; 2] };
-    Surface::Cutout { alphas: Arc::new(texture), threshold: THRESHOLD }
+    let size = TextureSize { width: SIZE * SPRIGS, height: SIZE, wrap: [Wrap::Clamp; 2] };
+    Surface::Cutout { alphas: Arc::new(Texture { size, texels }), threshold: THRESHOLD }
 }
 
 fn alpha(column: u32, row: u32) -> u8 {
@@ -53,7 +56,7 @@ fn leaflets(point: DVec2) -> bool {
 /// Whether a point lies in a pointed blade from the origin along `axis`.
 fn blade(point: DVec2, axis: DVec2, length: f64) -> bool {
     let (along, across) = (point.dot(axis) / length, point.perp_dot(axis).abs() / length);
-    (0.0..=1.0).contains(&along) && across < 0.27 * (along.powf(0.8) * TAU * 0.5).sin()
+    (0.0..=1.0).contains(&along) && across < 0.23 * (along.powf(0.8) * TAU * 0.5).sin()
 }
 
 /// A leaf of five lobes on a stalk.
@@ -74,7 +77,7 @@ mod tests {
     #[test]
     fn sprigs_cover_a_part_of_their_cards_and_end_before_the_edges() {
         let Surface::Cutout { alphas, threshold } = surface() else { panic!("no cutout") };
-        let opaque = |column: u32, row: u32| alphas.texels[(row * alphas.width + column) as usize] >= threshold;
+        let opaque = |column: u32, row: u32| alphas.texels[(row * alphas.size.width + column) as usize] >= threshold;
         for sprig in 0..SPRIGS {
             let columns = sprig * SIZE..(sprig + 1) * SIZE;
             let covered = columns.clone().flat_map(|x| (0..SIZE).map(move |y| (x, y))).filter(|&(x, y)| opaque(x, y));

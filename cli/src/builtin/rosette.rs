@@ -2,10 +2,13 @@
 
 use std::{f64::consts::TAU, sync::Arc};
 
-use umbra4_core::glam::{DVec2, Vec3};
+use umbra4_core::{
+    glam::{DVec2, Vec3},
+    texture::{TextureSize, Wrap},
+};
 
 use super::stained_glass::{AMBER, COBALT, PALE, RUBY, TURQUOISE, VIOLET};
-use crate::model::{Surface, Texture, Wrap};
+use crate::model::{Surface, Texture};
 
 /// Texels each way.
 const SIZE: u32 = 160;
@@ -16,8 +19,9 @@ const LEAD: f64 = 0.022;
 /// The surface of the pane.
 pub(super) fn surface() -> Surface {
     let at = |texel: u32| (f64::from(texel) + 0.5) / f64::from(SIZE) * 2.0 - 1.0;
-    let texels = (0..SIZE * SIZE).map(|i| tint(DVec2::new(at(i % SIZE), at(i / SIZE)))).collect();
-    Surface::Stained(Arc::new(Texture { width: SIZE, height: SIZE, texels, wrap: [Wrap::Clamp; 2] }))
+    let texels = (0..SIZE * SIZE).map(|i| tint(DVec2::new(at(i % SIZE), at(i / SIZE))).to_array()).collect();
+    let size = TextureSize { width: SIZE, height: SIZE, wrap: [Wrap::Clamp; 2] };
+    Surface::Stained(Arc::new(Texture { size, texels }))
 }
 
 /// The tint at a point of −1..=1 each way; lead lets nothing through.

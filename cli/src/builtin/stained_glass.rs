@@ -30,8 +30,8 @@ const COLUMNS: usize = 4;
 const ROWS: usize = 5;
 /// Half the thickness of the wall, and its other edges.
 const WALL: f64 = 0.18;
-const SIDES: f64 = 7.0;
-const TOP: f64 = 7.5;
+const SIDES: f64 = 12.0;
+const TOP: f64 = 7.0;
 /// Radius of the lead between panes.
 const LEAD: f64 = 0.018;
 /// Where the second panes are.
@@ -62,13 +62,13 @@ pub(super) fn scene() -> BuiltinScene {
         builder.quad(corners);
     });
     let view = View {
-        eye: DVec3::new(4.4, 3.3, 10.6),
-        target: DVec3::new(0.35, 1.55, 1.0),
-        fov: 36.0,
+        eye: DVec3::new(4.3, 4.0, 10.2),
+        target: DVec3::new(0.75, 1.5, 1.4),
+        fov: 37.0,
         focus: DVec3::new(0.0, 0.5, 2.2),
-        fade: 15.0,
+        fade: 30.0,
     };
-    let light = window(DVec3::new(-2.2, 10.2, -6.4), DVec3::new(0.2, 0.6, 1.6), 0.5);
+    let light = window(DVec3::new(-2.2, 10.2, -6.4), DVec3::new(0.2, 0.6, 1.6), 0.4);
     BuiltinScene::of(builder, light, view)
 }
 
@@ -107,7 +107,11 @@ fn glaze(panes: &mut Vec<Pane>) {
                         pane(5, 0.0, &[corner, to, from]);
                     }
                     pane([2, 4][column % 2], 0.0, &sides);
-                    pane([1, 0][column / 2], BEHIND, &sides.map(|(u, v)| (0.5 * (u + middle.0), 0.5 * (v + middle.1))));
+                    pane(
+                        [6, 1, 0, 3][column % 4],
+                        BEHIND,
+                        &sides.map(|(u, v)| (0.5 * (u + middle.0), 0.5 * (v + middle.1))),
+                    );
                 }
                 // Squares cut along a diagonal, left and right like mirror images.
                 _ if k % 2 == 1 => {
@@ -152,9 +156,9 @@ fn rim(builder: &mut Builder) {
 /// Slabs in two shades.
 fn floor(builder: &mut Builder) {
     let mut random = Random(31);
-    for row in -3..14 {
-        for column in -9..9 {
-            let shade = if (row + column) % 2 == 0 { 0.66 } else { 0.56 } * random.between(0.95, 1.0) as f32;
+    for row in 0..16 {
+        for column in -14..14 {
+            let shade = if (row + column) % 2 == 0 { 0.80 } else { 0.68 } * random.between(0.95, 1.0) as f32;
             builder.color(shade, shade * 0.97, shade * 0.92);
             let (x, z) = (f64::from(column) * 0.9, f64::from(row) * 0.9);
             let corners = [(x, z), (x, z + 0.9), (x + 0.9, z + 0.9), (x + 0.9, z)];
@@ -167,7 +171,7 @@ fn floor(builder: &mut Builder) {
 /// Four blocks around the window.
 fn wall(builder: &mut Builder) {
     let [left, right, low, high] = WINDOW;
-    builder.color(0.60, 0.57, 0.52);
+    builder.color(0.80, 0.76, 0.70);
     for (min, max) in [
         ((-SIDES, 0.0), (left, TOP)),
         ((right, 0.0), (SIDES, TOP)),
@@ -189,5 +193,5 @@ fn furniture(builder: &mut Builder) {
         builder.cuboid(DVec3::new(x, 0.0, min.z + 0.06), DVec3::new(x + 0.12, 0.37, max.z - 0.06));
     }
     builder.color(0.78, 0.77, 0.74);
-    builder.sphere(DVec3::new(1.35, 0.42, 2.3), 0.42, 40);
+    builder.sphere(DVec3::new(2.35, 0.38, 1.25), 0.38, 40);
 }

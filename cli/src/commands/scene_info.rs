@@ -23,7 +23,7 @@ pub(super) fn run(args: &SceneArgs) -> Result<(), ProgramError> {
     let scene = Scene::load(&args.scene, None)?;
     let lights = render::lights_of(&args, &scene)?;
     let seen = primary::visible_surfaces(&scene.model, &scene.parts, &scene.camera, width, height);
-    let on_lattice = OnLattice::new(&scene.model, &seen, &lights)?;
+    let on_lattice = OnLattice::new(&scene.model, &scene.parts, &seen, &lights)?;
     let executor = AnyExecutor::cpu(args.work.precision);
 
     // All plans first: what is refused leaves nothing half said.
@@ -48,9 +48,16 @@ fn plans(light: &Light, executor: &AnyExecutor, scene: &OnLattice) -> Result<Vec
             let names = if area.back().is_some() { ["front\n", "back\n"] } else { [""; 2] };
             let plan = |(name, side): (&'static str, &Side)| {
                 let snapped = light.snap_side(&side.area, &scene.lattice)?;
-                Ok((name, executor.plan(scene.under(&snapped))))
+                let plan = match &scene.casters {
+                    None => executor.plan(scene.under(&snapped)),
+                    Some(casters) => executor.caster_plan(casters, &snapped, &scene.receivers),
+                };
+                Ok((name, plan))
             };
             names.into_iter().zip(area.sides()).map(plan).collect()
+        }
+        _ if scene.casters.is_some() => {
+            Err(ProgramError::Casters { with: format!("{} ({})", light.label, light.kind()) })
         }
         Source::Volume(volume) => {
             let cloud = light.snap_volume(volume, &scene.lattice)?;

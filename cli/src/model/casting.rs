@@ -1,36 +1,34 @@
 //! Who is in the shadow of a part, in whose shadow it is, and how far from its plane its shadow begins.
 
 use serde_json::value::RawValue;
+use umbra4_core::Layers;
 
 use crate::description::{FieldError, Fields};
 
 /// How a part casts and receives shadows.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Casting {
-    /// The layers that it casts on, a bit each.
-    pub caster_layers: u32,
-    /// The layers that it is in the shadow of, a bit each.
-    pub receiver_layers: u32,
+    /// The layers that it casts on; all, by default.
+    pub caster_layers: Layers,
+    /// The layers that it is in the shadow of; all, by default.
+    pub receiver_layers: Layers,
     /// How far towards the light its shadow begins, world units, 0 at least.
     pub plane_offset: f64,
-}
-
-impl Default for Casting {
-    /// All layers, and no offset.
-    fn default() -> Self {
-        Self { caster_layers: u32::MAX, receiver_layers: u32::MAX, plane_offset: 0.0 }
-    }
+    /// Whether its mesh is one that is closed. Where nothing is said, that is found out of surfaces with one side.
+    pub closed: Option<bool>,
 }
 
 /// What a file says about that.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CastingSaid {
     /// The layers that it casts on.
-    pub caster_layers: Option<u32>,
+    pub caster_layers: Option<Layers>,
     /// The layers that it is in the shadow of.
-    pub receiver_layers: Option<u32>,
+    pub receiver_layers: Option<Layers>,
     /// How far towards the light its shadow begins, world units.
     pub plane_offset: Option<f64>,
+    /// Whether its mesh is one that is closed.
+    pub closed: Option<bool>,
 }
 
 /// Why it is refused.
@@ -58,6 +56,9 @@ pub enum CastingError {
     /// An offset where there is no plane that blocks.
     #[error("field `plane_offset` is {0}: surfaces that let light through have none")]
     OffsetOfTinted(f64),
+    /// A closed side where there is none that blocks.
+    #[error("field `closed` is true: surfaces that let light through have two sides")]
+    ClosedTinted,
     /// A name that nothing has.
     #[error("no node or mesh of the model is called '{0}'")]
     NoPart(String),
@@ -83,6 +84,7 @@ impl CastingSaid {
             caster_layers: layers(fields, "caster_layers")?,
             receiver_layers: layers(fields, "receiver_layers")?,
             plane_offset: offset(fields)?,
+            closed: fields.optional("closed")?,
         })
     }
 
@@ -104,17 +106,21 @@ impl CastingSaid {
             caster_layers: self.caster_layers.unwrap_or(before.caster_layers),
             receiver_layers: self.receiver_layers.unwrap_or(before.receiver_layers),
             plane_offset: self.plane_offset.unwrap_or(before.plane_offset),
+            closed: self.closed.or(before.closed),
         }
     }
 }
 
-fn layers(fields: &mut Fields, field: &'static str) -> Result<Option<u32>, CastingError> {
-    let Some(layers) = fields.optional::<Vec<f64>>(field)? else { return Ok(None) };
+fn layers(fields: &mut Fields, field: &'static str) -> Result<Option<Layers>, CastingError> {
+    let Some(numbers) = fields.optional::<Vec<f64>>(field)? else { return Ok(None) };
     let bit = |(index, value): (usize, f64)| {
-        let is_layer = (0.0..f64::from(u32::BITS)).contains(&value) && value.fract() == 0.0;
-        if is_layer { Ok(1 << value as u32) } else { Err(CastingError::Layer { field, index, value }) }
+        // Casts saturate: what is no such number is not the same afterwards.
+        let layer = value as u32;
+        let one = Layers::of(&[layer]).ok().filter(|_| f64::from(layer) == value);
+        one.map(Layers::bits).ok_or(CastingError::Layer { field, index, value })
     };
-    layers.into_iter().enumerate().map(bit).try_fold(0, |all, bit| Ok(all | bit?)).map(Some)
+    let bits = numbers.into_iter().enumerate().map(bit).try_fold(0, |all, bit| Ok(all | bit?));
+    bits.map(|bits| Some(Layers::from_bits(bits)))
 }
 
 fn offset(fields: &mut Fields) -> Result<Option<f64>, CastingError> {
@@ -134,9 +140,11 @@ mod tests {
 
     #[test]
     fn layers_are_bits() {
-        let said = read(r#"{"caster_layers":[0,31,0],"receiver_layers":[],"plane_offset":0}"#).unwrap();
+        let said = read(r#"{"caster_layers":[0,31,0],"receiver_layers":[],"plane_offset":0,"closed":true}"#).unwrap();
         let casting = said.over(Casting::default());
-        assert_eq!(casting, Casting { caster_layers: 1 << 31 | 1, receiver_layers: 0, plane_offset: 0.0 });
+        let caster_layers = Layers::from_bits(1 << 31 | 1);
+        let closed = Some(true);
+        assert_eq!(casting, Casting { caster_layers, receiver_layers: Layers::NONE, plane_offset: 0.0, closed });
         assert_eq!(read("{}").unwrap().over(casting), casting);
     }
 
@@ -148,6 +156,7 @@ mod tests {
             (r#"{"receiver_layers":[-1]}"#, "field `receiver_layers[0]` is -1: not a layer"),
             (r#"{"receiver_layers":[0.5]}"#, "field `receiver_layers[0]` is 0.5: not a layer"),
             (r#"{"caster_layers":3}"#, "field `caster_layers`: invalid type"),
+            (r#"{"closed":1}"#, "field `closed`: invalid type"),
             (r#"{"plane_offset":-0.5}"#, "field `plane_offset` is -0.5: not a distance, 0 at least"),
             (r#"{"plane_offset":1e999}"#, "field `plane_offset`: number out of range"),
             (r#"{"offset":1}"#, "field `offset` is unknown"),

@@ -9,10 +9,13 @@ use gltf::json::{
     validation::Checked,
 };
 use image::RgbaImage;
-use umbra4_core::glam::Vec3;
+use umbra4_core::{
+    glam::Vec3,
+    texture::{TextureSize, Wrap},
+};
 
 use super::{
-    MaterialError, Surface, Texture, TextureError, TextureName, Wrap, gltf::called, gltf_coordinates::Coordinates,
+    MaterialError, Surface, Texture, TextureError, TextureName, gltf::called, gltf_coordinates::Coordinates,
     gltf_pictures::Pictures,
 };
 use crate::srgb;
@@ -215,6 +218,7 @@ impl Cover {
     /// The surface with a picture; where all texels do the same, none is needed.
     fn on(&self, picture: &RgbaImage, wrap: [Wrap; 2]) -> Surface {
         let (width, height) = picture.dimensions();
+        let size = TextureSize { width, height, wrap };
         if self.mode == AlphaMode::Mask && self.transmission == 0.0 {
             let texels: Vec<u8> = picture.pixels().map(|texel| texel.0[3]).collect();
             // More alpha is never less opaque.
@@ -223,13 +227,13 @@ impl Cover {
             return match texels.iter().filter(|alpha| **alpha >= threshold).count() {
                 0 => Surface::Absent,
                 all if all == texels.len() => Surface::Opaque,
-                _ => Surface::Cutout { alphas: Arc::new(Texture { width, height, texels, wrap }), threshold },
+                _ => Surface::Cutout { alphas: Arc::new(Texture { size, texels }), threshold },
             };
         }
-        let texels: Vec<Vec3> = picture.pixels().map(|texel| self.lets_through(texel.0)).collect();
+        let texels: Vec<[f32; 3]> = picture.pixels().map(|texel| self.lets_through(texel.0).to_array()).collect();
         match texels.first() {
-            Some(first) if texels.iter().all(|texel| texel == first) => plain(*first),
-            _ => Surface::Stained(Arc::new(Texture { width, height, texels, wrap })),
+            Some(first) if texels.iter().all(|texel| texel == first) => plain(Vec3::from(*first)),
+            _ => Surface::Stained(Arc::new(Texture { size, texels })),
         }
     }
 }
@@ -273,7 +277,7 @@ mod tests {
         let Surface::Cutout { alphas, threshold } = mask.on(&picture([[0, 0, 0, 127], [0, 0, 0, 128]]), CLAMP) else {
             panic!("no cutout");
         };
-        assert_eq!((threshold, alphas.texels.as_slice(), alphas.wrap), (128, [127, 128].as_slice(), CLAMP));
+        assert_eq!((threshold, alphas.texels.as_slice(), alphas.size.wrap), (128, [127, 128].as_slice(), CLAMP));
         let half = some(r#"{"alphaMode":"MASK","pbrMetallicRoughness":{"baseColorFactor":[9e-1,1,1,0.5]}}"#);
         let Surface::Cutout { threshold, .. } = half.on(&picture([[0; 4], [255; 4]]), CLAMP) else {
             panic!("no cutout");
@@ -294,7 +298,7 @@ mod tests {
         let blend = some(r#"{"alphaMode":"BLEND","pbrMetallicRoughness":{"baseColorFactor":[1,0,0,0.25]}}"#);
         assert_eq!(blend.even(), Surface::Tinted(Vec3::splat(0.75)));
         let Surface::Stained(tints) = blend.on(&picture([[0; 4], [255; 4]]), CLAMP) else { panic!("no tints") };
-        assert_eq!(tints.texels, [Vec3::ONE, Vec3::splat(0.75)]);
+        assert_eq!(tints.texels, [[1.0; 3], [0.75; 3]]);
         assert_eq!(blend.on(&picture([[255; 4]; 2]), CLAMP), Surface::Tinted(Vec3::splat(0.75)));
         assert_eq!(some(r#"{"alphaMode":"BLEND"}"#).even(), Surface::Opaque);
     }
@@ -308,7 +312,7 @@ mod tests {
             panic!("no tints");
         };
         // 188 of sRGB is half the light.
-        assert!((tints.texels[1] - Vec3::new(0.2515, 0.25, 0.0)).abs().max_element() < 1e-3);
+        assert!((Vec3::from(tints.texels[1]) - Vec3::new(0.2515, 0.25, 0.0)).abs().max_element() < 1e-3);
         // Holes in it are holes.
         let masked = some(&text.replacen('{', r#"{"alphaMode":"MASK","#, 1));
         assert_eq!(masked.lets_through([255, 255, 255, 0]), Vec3::ONE);

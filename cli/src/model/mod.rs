@@ -36,7 +36,7 @@ pub use casting::{Casting, CastingError, CastingSaid, InPart};
 pub use gltf_pictures::PictureError;
 pub use material_error::{CoordinatesError, MaterialError, TextureError, TextureName};
 pub use part::{Part, Parts};
-pub use surface::{Surface, Texture, Wrap};
+pub use surface::{Surface, Texture};
 
 /// An indexed triangle mesh, in world units.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -173,6 +173,7 @@ pub fn load_furnished(path: &Path, lights: FileLights) -> Result<Furnished, InFi
     let parse = || {
         let Furnished { model, parts, lights, camera } = gltf::parse_furnished(&fs::read(path)?, path, lights)?;
         check(&model)?;
+        parts.check()?;
         Ok(Furnished { model: rounded(model)?, parts, lights, camera })
     };
     parse().map_err(InFile::at(path))

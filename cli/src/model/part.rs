@@ -49,12 +49,10 @@ impl Parts {
         self.0[..after].last().filter(|part| part.triangles.contains(&triangle))
     }
 
-    /// Whether there is anything but opaque parts that cast on everything and are in the shadow of everything. Whether
-    /// one is closed is not asked.
+    /// Whether all of them are opaque, cast on everything and are in the shadow of everything, so that nobody has to tell
+    /// them apart. What is closed casts the same shadows either way, and makes no difference unless a file says so.
     pub fn is_plain(&self) -> bool {
-        self.0
-            .iter()
-            .all(|part| part.surface == Surface::Opaque && part.casting == Casting::default() && !part.one_sided)
+        self.0.iter().all(|part| part.surface == Surface::Opaque && part.casting == Casting::default())
     }
 
     /// Says how the parts of that name cast, or all of them. A model without parts becomes one.
@@ -86,24 +84,30 @@ impl Parts {
     /// Whether what is said about them goes together.
     ///
     /// # Errors
-    /// A part that lets light through has a plane offset.
+    /// A part that lets light through has a plane offset, or is closed.
     pub fn check(&self) -> Result<(), InPart<CastingError>> {
-        let wrong = |part: &&Part| part.surface.is_tinted() && part.casting.plane_offset > 0.0;
-        self.0.iter().find(wrong).map_or(Ok(()), |part| {
-            let source = CastingError::OffsetOfTinted(part.casting.plane_offset);
-            Err(InPart { part: part.label.clone(), source })
-        })
+        for part in self.0.iter().filter(|part| part.surface.is_tinted()) {
+            let wrong = match part.casting {
+                Casting { plane_offset, .. } if plane_offset > 0.0 => CastingError::OffsetOfTinted(plane_offset),
+                Casting { closed: Some(true), .. } => CastingError::ClosedTinted,
+                _ => continue,
+            };
+            return Err(InPart { part: part.label.clone(), source: wrong });
+        }
+        Ok(())
     }
 }
 
 impl Part {
+    /// The texture coordinates of a vertex of the model; `None` where it is not one of the part's, or has none.
+    pub fn coordinates_of(&self, vertex: u32) -> Option<[f32; 2]> {
+        let own = (vertex as usize).checked_sub(self.vertices.start)?;
+        self.coordinates.get(own).copied()
+    }
+
     /// The texture coordinates at a point of a triangle of the model, by its weights of the three corners.
     pub fn coordinates_at(&self, corners: [u32; 3], weights: DVec3) -> [f64; 2] {
-        let of = |vertex: u32| {
-            let own = (vertex as usize).checked_sub(self.vertices.start).and_then(|own| self.coordinates.get(own));
-            own.map_or([0.0; 2], |coordinates| coordinates.map(f64::from))
-        };
-        let [a, b, c] = corners.map(of);
+        let [a, b, c] = corners.map(|vertex| self.coordinates_of(vertex).unwrap_or_default().map(f64::from));
         let at = |axis: usize| weights.dot(DVec3::new(a[axis], b[axis], c[axis]));
         [at(0), at(1)]
     }
@@ -111,6 +115,8 @@ impl Part {
 
 #[cfg(test)]
 mod tests {
+    use umbra4_core::Layers;
+
     use super::*;
     use crate::model::CastingSaid;
 
@@ -150,24 +156,34 @@ mod tests {
         parts.push(part("b", 1..2));
         assert!(parts.is_plain());
         let model = Model::default();
-        let said = CastingSaid { caster_layers: Some(4), plane_offset: Some(0.5), ..CastingSaid::default() };
+        let said = CastingSaid {
+            caster_layers: Some(Layers::from_bits(4)),
+            plane_offset: Some(0.5),
+            ..CastingSaid::default()
+        };
         parts.cast(Some("b"), &said, &model).unwrap();
-        parts.cast(None, &CastingSaid { receiver_layers: Some(2), ..CastingSaid::default() }, &model).unwrap();
+        parts
+            .cast(None, &CastingSaid { receiver_layers: Some(Layers::from_bits(2)), ..CastingSaid::default() }, &model)
+            .unwrap();
         let castings: Vec<Casting> = parts.iter().map(|part| part.casting).collect();
-        assert_eq!(castings[0], Casting { receiver_layers: 2, ..Casting::default() });
-        assert_eq!(castings[1], Casting { caster_layers: 4, receiver_layers: 2, plane_offset: 0.5 });
+        let receiver_layers = Layers::from_bits(2);
+        assert_eq!(castings[0], Casting { receiver_layers, ..Casting::default() });
+        let caster_layers = Layers::from_bits(4);
+        assert_eq!(castings[1], Casting { caster_layers, receiver_layers, plane_offset: 0.5, closed: None });
         assert!(!parts.is_plain() && parts.check().is_ok());
         let missing = parts.cast(Some("c"), &said, &model).unwrap_err().to_string();
         assert_eq!(missing, "no node or mesh of the model is called 'c'");
         parts.0[1].surface = Surface::Tinted(umbra4_core::glam::Vec3::X);
         assert!(parts.check().unwrap_err().to_string().starts_with("node 'b': field `plane_offset` is 0.5"));
+        parts.0[1].casting = Casting { closed: Some(true), ..Casting::default() };
+        assert!(parts.check().unwrap_err().to_string().starts_with("node 'b': field `closed` is true"));
     }
 
     #[test]
     fn a_model_without_parts_becomes_one() {
         let model = Model { vertices: Vec::new(), triangles: vec![[0; 3]; 9] };
         let mut parts = Parts::default();
-        parts.cast(None, &CastingSaid { caster_layers: Some(1), ..CastingSaid::default() }, &model).unwrap();
-        assert_eq!(parts.of(8).unwrap().casting.caster_layers, 1);
+        parts.cast(None, &CastingSaid { closed: Some(true), ..CastingSaid::default() }, &model).unwrap();
+        assert_eq!(parts.of(8).unwrap().casting.closed, Some(true));
     }
 }

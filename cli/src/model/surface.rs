@@ -2,49 +2,36 @@
 
 use std::sync::Arc;
 
-use umbra4_core::glam::Vec3;
+use umbra4_core::{
+    glam::Vec3,
+    texture::{TextureSize, Wrap},
+};
 
-/// What lies beyond a texture's edge, along one axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Wrap {
-    /// The texture again.
-    #[default]
-    Repeat,
-    /// The last texel.
-    Clamp,
-}
-
-/// A picture on a surface, of one texel at least.
+/// A picture on a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture<T> {
-    /// Texels a row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
+    /// Texels each way, one at least, and what lies beyond its edges.
+    pub size: TextureSize,
     /// `width · height` texels, row by row; the first row is at v = 0.
     pub texels: Vec<T>,
-    /// What lies beyond, along u and along v.
-    pub wrap: [Wrap; 2],
 }
 
 impl<T: Copy> Texture<T> {
     /// The texel at these coordinates; `None` where they are not finite.
     pub fn texel(&self, [u, v]: [f64; 2]) -> Option<T> {
-        let column = self.wrap[0].index(u, self.width)?;
-        let row = self.wrap[1].index(v, self.height)?;
-        self.texels.get(row * self.width as usize + column).copied()
+        let TextureSize { width, height, wrap } = self.size;
+        let (column, row) = (index(wrap[0], u, width)?, index(wrap[1], v, height)?);
+        self.texels.get(row * width as usize + column).copied()
     }
 }
 
-impl Wrap {
-    fn index(self, coordinate: f64, size: u32) -> Option<usize> {
-        let texel = (coordinate * f64::from(size)).floor();
-        let inside = match self {
-            Self::Repeat => texel.rem_euclid(f64::from(size)),
-            Self::Clamp => texel.clamp(0.0, f64::from(size) - 1.0),
-        };
-        inside.is_finite().then_some(inside as usize)
-    }
+fn index(wrap: Wrap, coordinate: f64, size: u32) -> Option<usize> {
+    let texel = (coordinate * f64::from(size)).floor();
+    let inside = match wrap {
+        Wrap::Repeat => texel.rem_euclid(f64::from(size)),
+        Wrap::Clamp => texel.clamp(0.0, f64::from(size) - 1.0),
+    };
+    inside.is_finite().then_some(inside as usize)
 }
 
 /// What a surface does to light.
@@ -63,7 +50,7 @@ pub enum Surface {
     /// It lets through these fractions, red, green and blue, each `0.0..=1.0`.
     Tinted(Vec3),
     /// The same, texel by texel.
-    Stained(Arc<Texture<Vec3>>),
+    Stained(Arc<Texture<[f32; 3]>>),
     /// It is not there.
     Absent,
 }
@@ -78,7 +65,7 @@ impl Surface {
                 _ => Vec3::ZERO,
             },
             Self::Tinted(tint) => *tint,
-            Self::Stained(tints) => tints.texel(coordinates).unwrap_or(Vec3::ZERO),
+            Self::Stained(tints) => tints.texel(coordinates).map_or(Vec3::ZERO, Vec3::from),
             Self::Absent => Vec3::ONE,
         }
     }
@@ -86,6 +73,19 @@ impl Surface {
     /// Whether it lets through some of the light and blocks the rest.
     pub fn is_tinted(&self) -> bool {
         matches!(self, Self::Tinted(_) | Self::Stained(_))
+    }
+
+    /// Whether another does the same, from the same texture.
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Cutout { alphas, threshold }, Self::Cutout { alphas: others, threshold: other }) => {
+                Arc::ptr_eq(alphas, others) && threshold == other
+            }
+            (Self::Stained(tints), Self::Stained(others)) => Arc::ptr_eq(tints, others),
+            (Self::Tinted(tint), Self::Tinted(other)) => tint == other,
+            (Self::Opaque, Self::Opaque) | (Self::Absent, Self::Absent) => true,
+            _ => false,
+        }
     }
 
     /// Whether texture coordinates have a say in it.
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     fn texture(wrap: [Wrap; 2]) -> Texture<u8> {
-        Texture { width: 2, height: 3, texels: vec![0, 1, 2, 3, 4, 5], wrap }
+        Texture { size: TextureSize { width: 2, height: 3, wrap }, texels: vec![0, 1, 2, 3, 4, 5] }
     }
 
     #[test]
@@ -125,7 +125,8 @@ mod tests {
         let cutout = Surface::Cutout { alphas, threshold: 3 };
         assert_eq!(cutout.lets_through([0.0, 0.4]), Vec3::ONE);
         assert_eq!(cutout.lets_through([0.5, 0.4]), Vec3::ZERO);
-        let tints = Texture { width: 1, height: 2, texels: vec![Vec3::X, Vec3::Y], wrap: [Wrap::Clamp; 2] };
+        let size = TextureSize { width: 1, height: 2, wrap: [Wrap::Clamp; 2] };
+        let tints = Texture { size, texels: vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] };
         assert_eq!(Surface::Stained(Arc::new(tints)).lets_through([0.3, 0.7]), Vec3::Y);
         assert_eq!([Surface::Opaque, Surface::Absent].map(|s| s.lets_through([0.0; 2])), [Vec3::ZERO, Vec3::ONE]);
     }

@@ -80,13 +80,22 @@ impl<'a> Asked<'a> {
     /// Finds it.
     ///
     /// # Errors
-    /// A light that cannot be put on the lattice; the executor's.
+    /// A light that cannot be put on the lattice; what does not go with casters; the executor's.
     pub fn find(
         &self,
         executor: &AnyExecutor,
         scene: &OnLattice,
         stages: &mut Stages,
     ) -> Result<(Found<'a>, Report), ProgramError> {
+        let refused = match self {
+            _ if scene.casters.is_none() => None,
+            Self::Fractions(_) => None,
+            Self::Frames(..) => Some("--jitter"),
+            Self::Pairs(..) => Some("--view pairs"),
+        };
+        if let Some(option) = refused {
+            return Err(ProgramError::Casters { with: option.to_owned() });
+        }
         let (found, runs, report) = match self {
             Self::Fractions(lights) => {
                 let (fractions, report) = stages.run("shadows", || lighting::fractions(executor, lights, scene))?;

@@ -8,7 +8,7 @@ use crate::{
     args::{RenderArgs, View},
     error::ProgramError,
     executor::{AnyExecutor, Report},
-    fractions::mean,
+    fractions::{mean, mean_color},
     on_lattice::OnLattice,
     picture::PictureFormat,
     primary,
@@ -36,7 +36,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     let seen = stages.run("primary", || {
         primary::visible_surfaces(&scene.model, &scene.parts, &scene.camera, fine(width), fine(height))
     });
-    let on_lattice = stages.run("snap", || OnLattice::new(&scene.model, &seen, &lights))?;
+    let on_lattice = stages.run("snap", || OnLattice::new(&scene.model, &scene.parts, &seen, &lights))?;
     let (found, Report { counts, .. }) = asked.find(&executor, &on_lattice, &mut stages)?;
 
     let visibility = match &found {
@@ -46,6 +46,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     let picture = stages.run("shade", || match (&found, args.view) {
         (Found::Pairs(pairs), _) => shade::pairs(&seen, pairs),
         (Found::Fractions(_), View::Visibility) => shade::visibility(&seen, &visibility),
+        (Found::Fractions(fractions), View::Light) => shade::light(&seen, &mean_color(fractions, visibility.len())),
         (Found::Fractions(_), View::Penumbra) => shade::penumbra(&seen, &visibility),
         (Found::Fractions(fractions), View::Shaded | View::Pairs) => {
             shade::shaded(&seen, &lights, fractions, &scene.look())
@@ -56,5 +57,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     let (triangles, receivers) = (scene.model.triangles.len(), on_lattice.receivers.len());
     let lights = summary::lights(&lights, !scene.lights.is_empty(), asked.frames());
     let on = executor.name();
-    Summary { triangles, receivers, lights, size: (width, height), on, counts, visibility }.print(stages, &args.output)
+    let casters = on_lattice.casters.as_deref().map(summary::casters);
+    Summary { triangles, receivers, lights, casters, size: (width, height), on, counts, visibility }
+        .print(stages, &args.output)
 }

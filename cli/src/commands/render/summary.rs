@@ -5,7 +5,8 @@ use std::{
     path::Path,
 };
 
-use umbra4_core::Counts;
+use umbra4_core::{CasterWork, Counts};
+use umbra4_cpu::Caster;
 
 use crate::{
     error::ProgramError,
@@ -21,6 +22,8 @@ pub struct Summary {
     pub receivers: usize,
     /// The lights.
     pub lights: String,
+    /// The casters, where parts of the scene are more than opaque.
+    pub casters: Option<String>,
     /// Width and height of the picture.
     pub size: (u32, u32),
     /// What the shadows were found on.
@@ -37,10 +40,13 @@ impl Summary {
     /// # Errors
     /// Standard output is closed.
     pub fn print(&self, stages: Stages, output: &Path) -> Result<(), ProgramError> {
-        let Self { triangles, receivers, lights, size: (width, height), on, counts, visibility } = self;
+        let Self { triangles, receivers, lights, casters, size: (width, height), on, counts, visibility } = self;
         let table = stages.table();
         let mut out = stdout().lock();
         writeln!(out, "{triangles} triangles, {receivers} receivers, {lights}, {width}×{height} pixels, on {on}\n")?;
+        if let Some(casters) = casters {
+            writeln!(out, "casters: {casters}\n")?;
+        }
         writeln!(out, "{table}")?;
         writeln!(out, "pairs tested       {:>12}", counts.pairs_tested)?;
         writeln!(out, "pairs kept         {:>12}", counts.pairs_kept)?;
@@ -68,6 +74,20 @@ pub fn lights(lights: &[Light], of_file: bool, frames: Option<u32>) -> String {
         Some(Source::Hard(_)) if !of_file => "a lamp without extent".to_owned(),
         _ => counted(u32::try_from(count).unwrap_or(u32::MAX), "light") + &jittered,
     }
+}
+
+/// How many casters of which kind there are.
+pub fn casters(casters: &[Caster]) -> String {
+    let of = |work: CasterWork| casters.iter().filter(|caster| caster.packed().work() == work).count();
+    let closed = casters.iter().filter(|caster| caster.casting().closed).count();
+    let counts = [
+        (of(CasterWork::Plain), "opaque"),
+        (of(CasterWork::Cutout), "cut out or offset"),
+        (of(CasterWork::Tinted), "tinted"),
+        (closed, "of them closed"),
+    ];
+    let said = counts.into_iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}"));
+    said.collect::<Vec<_>>().join(", ")
 }
 
 /// Samples, and frames of jittered ones.
