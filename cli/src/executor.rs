@@ -1,6 +1,8 @@
 //! Where the work is done: on the processor, or on a GPU. The bits are the same.
 
-use umbra4_core::{Counts, LatticeLight, Plan, Punctual, cloud::Cloud, glam::IVec3};
+use std::time::Instant;
+
+use umbra4_core::{Counts, LatticeLight, PackedCaster, Plan, Punctual, cloud::Cloud, glam::IVec3};
 use umbra4_cpu::{Caster, CasterIndex, CpuExecutor, CpuWord, Occluders, Receivers, maps::Technique};
 use umbra4_wgpu::{Choice, Gpu, LatticeReceivers, LatticeScene, WgpuExecutor};
 
@@ -260,26 +262,60 @@ impl AnyExecutor {
         }
     }
 
+    /// The masks of all receivers, receiver-major, by casters that block samples. Tinted ones block none.
+    ///
+    /// # Errors
+    /// The executor's.
+    pub fn caster_masks<W: CpuWord>(
+        &self,
+        casters: &[Caster],
+        light: &LatticeLight,
+        receivers: &Receivers,
+    ) -> Result<(Vec<W>, Report), ProgramError> {
+        match self {
+            Self::Cpu(cpu) => {
+                let index = cpu.index_casters(casters, light);
+                let (masks, statistics) = cpu.caster_masks::<W>(&index, receivers)?;
+                Ok((masks.into_words(), with_index(&index, statistics)))
+            }
+            Self::Gpu(gpu, _) => {
+                let (index, mut report) = index_on(gpu, casters, light)?;
+                let (masks, statistics) = gpu.caster_masks::<W>(&index, with_layers(receivers))?;
+                report.add(&statistics.into());
+                Ok((masks, report))
+            }
+        }
+    }
+
     /// The fraction of lit samples of every receiver, by casters that block them.
     ///
     /// # Errors
-    /// The executor's; there are no casters on GPUs yet.
+    /// The executor's.
     pub fn caster_visibility(
         &self,
         casters: &[Caster],
         light: &LatticeLight,
         receivers: &Receivers,
     ) -> Result<(Vec<f32>, Report), ProgramError> {
-        let cpu = self.for_casters()?;
-        let index = cpu.index_casters(casters, light);
-        let (visibility, statistics) = cpu.caster_visibility(&index, receivers)?;
-        Ok((visibility, with_index(&index, statistics)))
+        match self {
+            Self::Cpu(cpu) => {
+                let index = cpu.index_casters(casters, light);
+                let (visibility, statistics) = cpu.caster_visibility(&index, receivers)?;
+                Ok((visibility, with_index(&index, statistics)))
+            }
+            Self::Gpu(gpu, _) => {
+                let (index, mut report) = index_on(gpu, casters, light)?;
+                let (visibility, statistics) = gpu.caster_visibility(&index, with_layers(receivers))?;
+                report.add(&statistics.into());
+                Ok((visibility, report))
+            }
+        }
     }
 
     /// Sums of the weights of the lit samples of every receiver, as casters let them through.
     ///
     /// # Errors
-    /// The executor's; there are no casters on GPUs yet.
+    /// The executor's.
     pub fn caster_light(
         &self,
         casters: &[Caster],
@@ -287,24 +323,25 @@ impl AnyExecutor {
         receivers: &Receivers,
         emission: &Weights,
     ) -> Result<(Vec<[u32; 3]>, Report), ProgramError> {
-        let cpu = self.for_casters()?;
-        let index = cpu.index_casters(casters, light);
-        let (lit, statistics) = cpu.caster_light(&index, receivers, emission)?;
-        Ok((lit, with_index(&index, statistics)))
+        match self {
+            Self::Cpu(cpu) => {
+                let index = cpu.index_casters(casters, light);
+                let (lit, statistics) = cpu.caster_light(&index, receivers, emission)?;
+                Ok((lit, with_index(&index, statistics)))
+            }
+            Self::Gpu(gpu, _) => {
+                let (index, mut report) = index_on(gpu, casters, light)?;
+                let (lit, statistics) = gpu.caster_light(&index, with_layers(receivers), emission)?;
+                report.add(&statistics.into());
+                Ok((lit, report))
+            }
+        }
     }
 
     /// What the processor would run for the light that comes through casters.
     pub fn caster_plan(&self, casters: &[Caster], light: &LatticeLight, receivers: &Receivers) -> Plan {
         let cpu = self.processor();
         cpu.caster_plan(&cpu.index_casters(casters, light), receivers, true, true)
-    }
-
-    /// The executor that knows casters.
-    fn for_casters(&self) -> Result<&CpuExecutor, ProgramError> {
-        match self {
-            Self::Cpu(cpu) => Ok(cpu),
-            Self::Gpu(gpu, _) => Err(ProgramError::Casters { with: format!("GPUs yet ({})", gpu.gpu().name) }),
-        }
     }
 
     /// How many triangles block something from each receiver.
@@ -352,6 +389,24 @@ fn with_index(index: &CasterIndex, statistics: umbra4_cpu::Statistics) -> Report
     let mut report = Report::from(index.statistics().clone());
     report.add(&statistics.into());
     report
+}
+
+/// Casters, indexed on a GPU, and how long that took.
+fn index_on(
+    gpu: &WgpuExecutor,
+    casters: &[Caster],
+    light: &LatticeLight,
+) -> Result<(umbra4_wgpu::CasterIndex, Report), ProgramError> {
+    let start = Instant::now();
+    let packed: Vec<PackedCaster<'_>> = casters.iter().map(Caster::packed).collect();
+    let index = gpu.index_casters(&packed, light)?;
+    let mut report = Report::default();
+    report.add_stage("index_casters", start.elapsed().as_secs_f64());
+    Ok((index, report))
+}
+
+fn with_layers(receivers: &Receivers) -> LatticeReceivers<'_> {
+    LatticeReceivers { points: receivers.points(), facings: receivers.facings(), layers: receivers.layers() }
 }
 
 fn on_lattice(occluders: &Occluders) -> LatticeScene<'_> {

@@ -159,6 +159,53 @@ fn what_does_not_go_with_casters_is_refused() {
     folder.fail("render scene.json -o out.png --size 16x16", "node 1 'floor': plane offset is ");
 }
 
+/// On the adapter that `UMBRA4_GPU` asks for; without it on a software driver, if there is one.
+#[test]
+fn casters_are_the_same_on_a_gpu() {
+    let folder = Folder::new();
+    let wanted = std::env::var("UMBRA4_GPU").ok();
+    let adapter = match wanted.as_deref() {
+        Some("hardware") => String::new(),
+        Some("software") | None => "--adapter llvmpipe".to_owned(),
+        Some(name) => format!("--adapter {name}"),
+    };
+    let glass = json!({"alphaMode": "BLEND", "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.5]}});
+    let layers = r#"{"name":"card","caster_layers":[3]},{"name":"slab","receiver_layers":[0,3]}"#;
+    for (material, casters, view) in [(mask(), layers, "visibility"), (glass, "", "light")] {
+        let (_, said) = render(&folder, &card(material, &half()), casters, &format!("--view {view}"));
+        assert!(said.contains("casters:"), "{said}");
+        let options = format!("render scene.json -o gpu.exr --size 40x32 --view {view} --executor gpu {adapter}");
+        let on_gpu = folder.run(&options);
+        if wanted.is_none() && !on_gpu.status.success() {
+            println!("SKIPPED: {}", String::from_utf8_lossy(&on_gpu.stderr));
+            return;
+        }
+        assert!(on_gpu.status.success(), "{}", String::from_utf8_lossy(&on_gpu.stderr));
+        let [cpu, gpu] = ["p.exr", "gpu.exr"].map(|name| std::fs::read(folder.path(name)).unwrap());
+        assert!(cpu == gpu, "{view}");
+    }
+}
+
+#[test]
+fn masks_go_by_materials() {
+    let folder = Folder::new();
+    let masks = |document: &Value| {
+        folder.write("card.gltf", document.to_string());
+        folder.succeed("masks --model card.gltf --light light.json --receivers receivers.npy --samples 8 -o m.npy");
+        common::read_array::<u16>(&folder.path("m.npy"))
+    };
+    let mut smaller = card(opaque(), &half());
+    smaller["nodes"][0]["translation"] = json!([0.5, 1, 0]);
+    smaller["nodes"][0]["scale"] = json!([0.5, 1, 1]);
+    let (whole, cut) = (masks(&card(opaque(), &half())), masks(&card(mask(), &half())));
+    assert!(cut == masks(&smaller) && cut != whole);
+    folder.write("card.gltf", card(mask(), &half()).to_string());
+    folder.fail(
+        "masks --model card.gltf --light light.json --receivers receivers.npy --samples 8 -o n.npy --lattice-out l.npz",
+        "do not go with --lattice-out",
+    );
+}
+
 #[test]
 fn info_tells_what_runs_for_casters() {
     let folder = Folder::new();

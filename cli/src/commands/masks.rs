@@ -7,15 +7,18 @@ use std::{
 
 use serde_json::json;
 use umbra4_core::{Jitter, Lift, glam::IVec3};
-use umbra4_cpu::{CpuWord, Occluders, Receivers};
+use umbra4_cpu::{Caster, CpuWord, Occluders, Receivers};
 
 use crate::{
     args::MasksArgs,
     array_file,
     bounds::lattice_around,
+    casters,
     error::ProgramError,
     executor::{AnyExecutor, Report, Scene},
-    light_file, model,
+    in_file::InFile,
+    light_file,
+    model::{self, FileLights, Furnished},
     output::{Prepared, prepare},
 };
 
@@ -23,7 +26,7 @@ pub(super) fn run(args: &MasksArgs) -> Result<(), ProgramError> {
     let executor = AnyExecutor::new(&args.work)?;
     let jitter = args.jitter.map_or(Jitter::NONE, Jitter::pattern);
     let light = light_file::read(&args.light)?.sampled(args.samples)?.with_jitter(jitter);
-    let model = model::load_f64(&args.model)?;
+    let Furnished { model, parts, .. } = model::load_furnished_f64(&args.model, FileLights::PassedOver)?;
     let points = array_file::read_points(&args.receivers)?;
 
     let lattice = lattice_around(model.vertices.iter().chain(&points), &light)?;
@@ -31,11 +34,22 @@ pub(super) fn run(args: &MasksArgs) -> Result<(), ProgramError> {
     let occluders = Occluders::from_f64(&lattice, &model.vertices, &model.triangles)?;
     let receivers = Receivers::raw_f64(&lattice, &points)?;
 
+    let casters = if parts.is_plain() {
+        None
+    } else {
+        if args.lattice_out.is_some() {
+            // Triangles are not all that the answer hangs on.
+            return Err(ProgramError::Casters { with: "--lattice-out".to_owned() });
+        }
+        casters::casters(&model::rounded(model).map_err(InFile::at(&args.model))?, &parts, &lattice)?
+    };
+
     let scene = (&occluders, &light, &receivers);
+    let casters = casters.as_deref();
     let (masks, report) = match args.samples {
-        0..=16 => write_masks::<u16>(&executor, scene, &args.output),
-        17..=32 => write_masks::<u32>(&executor, scene, &args.output),
-        _ => write_masks::<u64>(&executor, scene, &args.output),
+        0..=16 => write_masks::<u16>(&executor, scene, casters, &args.output),
+        17..=32 => write_masks::<u32>(&executor, scene, casters, &args.output),
+        _ => write_masks::<u64>(&executor, scene, casters, &args.output),
     }?;
     let lattice = args.lattice_out.as_deref().map(|path| write_lattice(scene, path)).transpose()?;
     masks.publish()?;
@@ -49,9 +63,13 @@ pub(super) fn run(args: &MasksArgs) -> Result<(), ProgramError> {
 fn write_masks<W: CpuWord + npyz::AutoSerialize>(
     executor: &AnyExecutor,
     scene: Scene<'_>,
+    casters: Option<&[Caster]>,
     path: &Path,
 ) -> Result<(Prepared, Report), ProgramError> {
-    let (masks, report) = executor.masks::<W>(scene)?;
+    let (masks, report) = match casters {
+        None => executor.masks::<W>(scene)?,
+        Some(casters) => executor.caster_masks::<W>(casters, scene.1, scene.2)?,
+    };
     let shape = [scene.2.len() as u64, u64::from(scene.1.rows)];
     let prepared = prepare(path, |writer| Ok(array_file::write_array(writer, &shape, masks)?))?;
     Ok((prepared, report))

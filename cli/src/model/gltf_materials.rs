@@ -205,8 +205,12 @@ impl Cover {
             AlphaMode::Mask => 0.0,
             AlphaMode::Blend => self.alpha(a),
         };
-        let color = Vec3::from([r, g, b].map(|value| srgb::linear(f32::from(value) / 255.0)));
-        let through = color * Vec3::from_slice(&self.factor[..3]) * self.transmission;
+        let through = if self.transmission > 0.0 {
+            let color = Vec3::from([r, g, b].map(|value| srgb::linear(f32::from(value) / 255.0)));
+            color * Vec3::from_slice(&self.factor[..3]) * self.transmission
+        } else {
+            Vec3::ZERO
+        };
         (Vec3::ONE - covered * (Vec3::ONE - through)).clamp(Vec3::ZERO, Vec3::ONE)
     }
 

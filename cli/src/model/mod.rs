@@ -167,14 +167,23 @@ pub fn load_f64(path: &Path) -> Result<Model<DVec3>, InFile<ModelError>> {
 /// # Errors
 /// See [`ModelError`].
 pub fn load_furnished(path: &Path, lights: FileLights) -> Result<Furnished, InFile<ModelError>> {
+    let Furnished { model, parts, lights, camera } = load_furnished_f64(path, lights)?;
+    Ok(Furnished { model: rounded(model).map_err(InFile::at(path))?, parts, lights, camera })
+}
+
+/// As [`load_f64`], with what the file says beyond triangles.
+///
+/// # Errors
+/// See [`ModelError`].
+pub fn load_furnished_f64(path: &Path, lights: FileLights) -> Result<Furnished<DVec3>, InFile<ModelError>> {
     if !matches!(extension(path).as_str(), "gltf" | "glb") {
-        return Ok(Furnished { model: load(path)?, ..Furnished::default() });
+        return Ok(Furnished { model: load_f64(path)?, ..Furnished::default() });
     }
     let parse = || {
-        let Furnished { model, parts, lights, camera } = gltf::parse_furnished(&fs::read(path)?, path, lights)?;
-        check(&model)?;
-        parts.check()?;
-        Ok(Furnished { model: rounded(model)?, parts, lights, camera })
+        let furnished = gltf::parse_furnished(&fs::read(path)?, path, lights)?;
+        check(&furnished.model)?;
+        furnished.parts.check()?;
+        Ok(furnished)
     };
     parse().map_err(InFile::at(path))
 }
@@ -195,7 +204,10 @@ fn parse_file(path: &Path) -> Result<Model<DVec3>, ModelError> {
 }
 
 /// The model in f32, where that holds its coordinates.
-fn rounded(model: Model<DVec3>) -> Result<Model, ModelError> {
+///
+/// # Errors
+/// A coordinate beyond what f32 holds.
+pub fn rounded(model: Model<DVec3>) -> Result<Model, ModelError> {
     let vertices: Vec<Vec3> = model.vertices.iter().map(|v| v.as_vec3()).collect();
     check_finite(vertices.iter().map(|v| v.as_dvec3()))?;
     Ok(Model { vertices, triangles: model.triangles })
