@@ -189,6 +189,9 @@ fn casters_are_the_same_on_a_gpu() {
 #[test]
 fn masks_go_by_materials() {
     let folder = Folder::new();
+    let points: Vec<f32> =
+        (0..81).flat_map(|i| [(i % 9) as f32 * 0.3 - 1.2, 0.3, (i / 9) as f32 * 0.3 - 1.2]).collect();
+    folder.write("receivers.npy", common::array(&[81, 3], &points));
     let masks = |document: &Value| {
         folder.write("card.gltf", document.to_string());
         folder.succeed("masks --model card.gltf --light light.json --receivers receivers.npy --samples 8 -o m.npy");

@@ -67,7 +67,7 @@ fn ground(builder: &mut Builder) {
     builder.color(0.68, 0.65, 0.60);
     builder.cuboid(DVec3::new(-5.6, 0.0, -4.6), DVec3::new(5.6, 3.0, -4.3));
     builder.color(0.60, 0.57, 0.52);
-    builder.cuboid(DVec3::new(-5.75, 3.0, -4.7), DVec3::new(5.75, 3.14, -4.2));
+    builder.cuboid(DVec3::new(-5.75, 3.0, -4.7), DVec3::new(5.75, 3.15, -4.2));
 }
 
 /// Broad leaves that stand out of one root.

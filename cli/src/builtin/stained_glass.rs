@@ -193,5 +193,5 @@ fn furniture(builder: &mut Builder) {
         builder.cuboid(DVec3::new(x, 0.0, min.z + 0.06), DVec3::new(x + 0.12, 0.37, max.z - 0.06));
     }
     builder.color(0.78, 0.77, 0.74);
-    builder.sphere(DVec3::new(2.35, 0.38, 1.25), 0.38, 40);
+    builder.sphere(DVec3::new(1.9, 0.36, 1.45), 0.36, 40);
 }

@@ -124,7 +124,7 @@ fn open(bytes: &[u8]) -> Result<(Document, Option<Vec<u8>>), ModelError> {
             )));
         }
     }
-    gltf_materials::check_names(&root).map_err(ModelError::material)?;
+    gltf_materials::check_names(&root)?;
     Ok((Document::from_json(root).map_err(failed)?, blob))
 }
 

@@ -15,8 +15,8 @@ use umbra4_core::{
 };
 
 use super::{
-    MaterialError, Surface, Texture, TextureError, TextureName, gltf::called, gltf_coordinates::Coordinates,
-    gltf_pictures::Pictures,
+    InMaterial, MaterialError, Surface, Texture, TextureError, TextureName, gltf::called,
+    gltf_coordinates::Coordinates, gltf_pictures::Pictures,
 };
 use crate::srgb;
 
@@ -47,11 +47,11 @@ pub(super) struct Materials<'a> {
 ///
 /// # Errors
 /// The first that does not, with the material's name.
-pub(super) fn check_names(root: &Root) -> Result<(), (String, MaterialError)> {
+pub(super) fn check_names(root: &Root) -> Result<(), InMaterial> {
     let names = root.materials.iter().enumerate().map(|(index, material)| (label(index, material), material));
     for (label, material) in names {
         for (field, texture) in textures(material) {
-            check_texture(root, field, texture.index.value()).map_err(|e| (label.clone(), e))?;
+            check_texture(root, field, texture.index.value()).map_err(InMaterial::at(label.clone()))?;
         }
     }
     Ok(())
@@ -99,14 +99,14 @@ impl<'a> Materials<'a> {
     }
 
     /// Material `index`; glTF's own where there is none. An error comes with the material's name.
-    pub(super) fn get(&mut self, index: Option<usize>) -> Result<Finish, (String, MaterialError)> {
+    pub(super) fn get(&mut self, index: Option<usize>) -> Result<Finish, InMaterial> {
         let Some((index, material)) = index.and_then(|index| Some((index, self.root.materials.get(index)?))) else {
             return Ok(Finish { one_sided: true, ..Finish::default() });
         };
         if let Some(finish) = self.read.get(&index) {
             return Ok(finish.clone());
         }
-        let finish = self.finish(material).map_err(|e| (label(index, material), e))?;
+        let finish = self.finish(material).map_err(InMaterial::at(label(index, material)))?;
         Ok(self.read.entry(index).or_insert(finish).clone())
     }
 

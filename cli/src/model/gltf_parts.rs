@@ -3,7 +3,7 @@
 use gltf::{Mesh, Node, Primitive};
 
 use super::{
-    Casting, CastingError, CastingSaid, CoordinatesError, InPart, MaterialError, ModelError, Part, Parts,
+    Casting, CastingError, CastingSaid, CoordinatesError, InMaterial, InPart, MaterialError, ModelError, Part, Parts,
     gltf::{Added, called},
     gltf_extras,
     gltf_materials::Materials,
@@ -26,7 +26,7 @@ impl<'a> Collector<'a> {
     pub(super) fn add(&mut self, node: &Node<'_>, primitive: &Primitive<'_>, added: Added) -> Result<(), ModelError> {
         let Some(mesh) = node.mesh() else { return Ok(()) };
         let material = primitive.material().index();
-        let finish = self.materials.get(material).map_err(ModelError::material)?;
+        let finish = self.materials.get(material)?;
         let coordinates = match finish.coordinates {
             Some(wanted) => {
                 let read = wanted.read(primitive, self.buffers, added.vertices.len());
@@ -73,5 +73,5 @@ fn coordinates_of(primitive: &Primitive<'_>, mesh: &Mesh<'_>, set: u32, reason: 
     let owner = format!("primitive {} of {}", primitive.index(), called("mesh", mesh.index(), mesh.name()));
     let material = primitive.material();
     let name = called("material", material.index().unwrap_or_default(), material.name());
-    ModelError::material((name, MaterialError::Coordinates { primitive: owner, set, reason }))
+    InMaterial::at(name)(MaterialError::Coordinates { primitive: owner, set, reason }).into()
 }

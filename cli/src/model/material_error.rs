@@ -56,6 +56,23 @@ pub enum MaterialError {
     },
 }
 
+/// An error, and the material that it is about.
+#[derive(Debug, thiserror::Error)]
+#[error("{material}: {reason}")]
+pub struct InMaterial {
+    /// What the material is called.
+    pub material: String,
+    /// What is wrong with it; in a box, since it may be much.
+    pub reason: Box<MaterialError>,
+}
+
+impl InMaterial {
+    /// For `map_err`: puts what the material is called to an error.
+    pub(super) fn at(material: String) -> impl Fn(MaterialError) -> Self {
+        move |reason| Self { material: material.clone(), reason: Box::new(reason) }
+    }
+}
+
 /// A texture, as messages call it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TextureName {

@@ -34,7 +34,7 @@ use crate::{
 
 pub use casting::{Casting, CastingError, CastingSaid, InPart};
 pub use gltf_pictures::PictureError;
-pub use material_error::{CoordinatesError, MaterialError, TextureError, TextureName};
+pub use material_error::{CoordinatesError, InMaterial, MaterialError, TextureError, TextureName};
 pub use part::{Part, Parts};
 pub use surface::{Surface, Texture};
 
@@ -101,13 +101,8 @@ pub enum ModelError {
     #[error(transparent)]
     Light(#[from] InLight<DescriptionError>),
     /// One of its materials is refused.
-    #[error("{material}: {reason}")]
-    Material {
-        /// What the material is called.
-        material: String,
-        /// What is wrong with it; in a box, since it may be much.
-        reason: Box<MaterialError>,
-    },
+    #[error(transparent)]
+    Material(#[from] InMaterial),
     /// What is said about how a part casts shadows is refused.
     #[error(transparent)]
     Casting(#[from] InPart<CastingError>),
@@ -137,13 +132,6 @@ pub enum ModelError {
         /// Its value.
         value: f64,
     },
-}
-
-impl ModelError {
-    /// For `map_err`: an error of a material, which comes with its name.
-    fn material((material, reason): (String, MaterialError)) -> Self {
-        Self::Material { material, reason: Box::new(reason) }
-    }
 }
 
 /// Loads a model; coordinates that the file holds in f64 are rounded to f32.
