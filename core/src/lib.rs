@@ -56,6 +56,8 @@ pub mod any_light;
 #[cfg(not(target_arch = "spirv"))]
 pub mod area_light;
 #[cfg(not(target_arch = "spirv"))]
+pub mod closed;
+#[cfg(not(target_arch = "spirv"))]
 pub mod cloud;
 #[cfg(not(target_arch = "spirv"))]
 pub mod cloud_order;

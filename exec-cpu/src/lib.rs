@@ -2,6 +2,7 @@
 //! `umbra4-core`.
 
 mod arrangement;
+mod closed;
 mod cloud;
 mod cloud_light;
 mod cloud_masks;
@@ -27,6 +28,7 @@ mod statistics;
 mod triangles;
 mod word;
 
+pub use closed::ClosedParts;
 pub use cloud_masks::CloudMasks;
 pub use executor::{CpuExecutor, ExecutorError};
 pub use from_maps::{ShadowMap, StochasticShadows};
