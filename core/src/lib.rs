@@ -19,6 +19,7 @@ pub mod frame;
 pub mod gbuffer;
 pub mod half;
 pub mod hierarchy;
+pub mod irradiance;
 pub mod jitter;
 pub mod jittered_rows;
 pub mod kernel;

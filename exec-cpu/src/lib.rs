@@ -12,6 +12,7 @@ mod from_maps;
 mod grid;
 mod hard_shadows;
 mod hierarchy;
+mod irradiance;
 mod lights;
 mod masks;
 mod morton;

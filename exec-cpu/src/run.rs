@@ -252,6 +252,7 @@ impl<W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W
             Stage::SnapVertices
             | Stage::SnapReceivers
             | Stage::Reduce
+            | Stage::Illuminate
             | Stage::ResolvePunctual
             | Stage::ResolveCloud => return Ok(()),
             Stage::KeyTriangles => self.key_triangles(),

@@ -85,6 +85,7 @@ modules! {
     Upsample: "upsample",
     UpsampleLight: "upsample_light",
     Probe: "probe",
+    Illuminate: "illuminate",
 }
 
 modules! {

@@ -57,6 +57,8 @@ pub enum Stage {
     ResolveCells,
     /// Mask → lit count → visibility.
     Reduce,
+    /// Mask → irradiance ([`crate::irradiance`]).
+    Illuminate,
 }
 
 /// A buffer that stages share.
@@ -103,6 +105,10 @@ pub enum Binding {
     VisibilityTable,
     /// Fraction of lit samples, f32.
     Visibility,
+    /// Places and weights of the light's samples.
+    Emitters,
+    /// Irradiance of receivers, f32 × 3.
+    Irradiance,
 }
 
 /// One line of the stage table.
@@ -125,7 +131,7 @@ pub struct StageInfo {
 use Binding as B;
 
 /// All stages, in the order in which data flows.
-pub const TABLE: [StageInfo; 17] = [
+pub const TABLE: [StageInfo; 18] = [
     StageInfo {
         stage: Stage::SnapVertices,
         name: "snap_vertices",
@@ -260,6 +266,14 @@ pub const TABLE: [StageInfo; 17] = [
         id: "receiver",
         reads: &[B::Masks, B::VisibilityTable],
         writes: &[B::LitCounts, B::Visibility],
+        workgroup: 64,
+    },
+    StageInfo {
+        stage: Stage::Illuminate,
+        name: "illuminate",
+        id: "receiver",
+        reads: &[B::Masks, B::Receivers, B::Normals, B::Emitters],
+        writes: &[B::Irradiance],
         workgroup: 64,
     },
 ];
