@@ -45,6 +45,7 @@ pub mod snap;
 pub mod stage;
 pub mod statistics;
 pub mod surface;
+pub mod terminator;
 pub mod trace;
 pub mod view;
 pub mod wide;

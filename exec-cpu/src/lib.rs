@@ -26,6 +26,7 @@ mod scatter;
 mod scene;
 mod silhouette;
 mod statistics;
+mod terminator;
 mod triangles;
 mod word;
 
@@ -39,6 +40,7 @@ pub use lights::{Lit, Sides, Source};
 pub use masks::Masks;
 pub use scene::{Occluders, Receivers, SceneError};
 pub use statistics::Statistics;
+pub use terminator::{OnTriangle, SmoothError, SmoothMesh};
 pub use umbra4_core as core;
 pub use umbra4_core::Precision;
 pub use umbra4_core::stage::resolve_cells::Rows;
