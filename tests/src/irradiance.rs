@@ -53,8 +53,8 @@ pub fn expected(inputs: &Inputs, normals: &[Vec3], weights: &[Weight]) -> Vec<Ex
             let height = -(0..3).map(|k| axis[k] * way[k]).sum::<i128>() as f64;
             let cosine = normal.dot(DVec3::from(way.map(|w| w as f64))) / squared.sqrt();
             let facing = height.max(0.0) / squared.sqrt() / squared;
-            for c in 0..3 {
-                let part = f64::from(weight[c]) / 65535.0 * facing;
+            for (c, weight) in weight.iter().enumerate() {
+                let part = f64::from(*weight) / 65535.0 * facing;
                 sums.facing[c] += part;
                 sums.irradiance[c] += part * cosine.max(0.0);
             }
