@@ -7,7 +7,7 @@ use glam::IVec3;
 
 use crate::{
     edge_plane::ReceiverTile,
-    exact::{self, GridForm, Wide},
+    exact::{self, GridForm, Wide, WideInt},
     jitter::{Place, Samples},
     light::LatticeLight,
     mask_word::MaskWord,
@@ -25,6 +25,8 @@ pub struct PairIntegers {
     pub receiver: IVec3,
     /// The triangle's corners, in the order of its planes.
     pub corners: [IVec3; 3],
+    /// Whether what meets an edge that two triangles share meets one of them only ([`GridForm::sign_beside`]), not both.
+    pub edges_once: bool,
     /// Signs decided.
     pub fallbacks: Tally,
 }
@@ -32,9 +34,15 @@ pub struct PairIntegers {
 impl PairIntegers {
     /// Of one lane's receiver.
     #[inline(always)]
-    pub fn new<S: Samples>(light: &LatticeLight, receivers: &ReceiverTile, occluder: &Occluder, lane: usize) -> Self {
+    pub fn new<S: Samples>(
+        light: &LatticeLight,
+        receivers: &ReceiverTile,
+        occluder: &Occluder,
+        lane: usize,
+        edges_once: bool,
+    ) -> Self {
         let light = if S::JITTERED { light.fine() } else { *light };
-        Self { light, receiver: receivers.point(lane), corners: occluder.corners(), fallbacks: 0 }
+        Self { light, receiver: receivers.point(lane), corners: occluder.corners(), edges_once, fallbacks: 0 }
     }
 }
 
@@ -110,9 +118,31 @@ impl PairForms {
         }
         pair.fallbacks += 1;
         let side = if margins.flipped(lane) { -1 } else { 1 };
-        let sign = self.form(k, pair).sign_at(place.fine_row, place.fine_column) * side;
+        self.is_inside(k, side, pair, place)
+    }
+
+    /// The same in integers, whatever floats say. `side`: the receiver's side of the triangle's plane, opposite to the sample's.
+    #[inline(always)]
+    pub(crate) fn is_inside(&mut self, k: usize, side: i32, pair: &PairIntegers, place: &Place) -> bool {
+        let form = self.form(k, pair);
+        if pair.edges_once && k != 3 {
+            return form.sign_beside(place.fine_row, place.fine_column) * side > 0;
+        }
+        let sign = form.sign_at(place.fine_row, place.fine_column) * side;
         // Edges are closed; the triangle's own plane blocks strictly.
         sign > 0 || (sign == 0 && k != 3)
+    }
+
+    /// What corners a, b, c count where the ray to a sample meets the triangle's plane: magnitudes, in words.
+    #[inline(always)]
+    pub(crate) fn weights(&mut self, pair: &PairIntegers, place: &Place) -> [[u32; 3]; 3] {
+        [self.weight(1, pair, place), self.weight(2, pair, place), self.weight(0, pair, place)]
+    }
+
+    /// That of the corner opposite to edge k.
+    #[inline(always)]
+    fn weight(&mut self, k: usize, pair: &PairIntegers, place: &Place) -> [u32; 3] {
+        self.form(k, pair).at(place.fine_row, place.fine_column).magnitude_words()
     }
 
     #[inline(always)]

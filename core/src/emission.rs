@@ -6,7 +6,11 @@
 
 use thiserror::Error;
 
-use crate::{light::MAX_SAMPLES, mask_word::MaskWord};
+use crate::{
+    light::MAX_SAMPLES,
+    mask_word::MaskWord,
+    tint::{Depth, tinted_weight},
+};
 
 /// Weight of one sample: red, green, blue.
 pub type Weight = [u16; 3];
@@ -178,6 +182,28 @@ impl<S: AsRef<[Weight]>> Emission<S> {
     #[inline]
     pub fn lit_of_back<W: MaskWord>(&self, rows: &[W]) -> [u32; 3] {
         self.lit_of(rows.iter().rev())
+    }
+
+    /// The same where panes lie before samples: `depths` holds what they take of each, row by row; what is missing is clear. Every
+    /// product is rounded by itself ([`crate::tint`]), so that the sum is the same in any order. Below 2^28.
+    #[inline]
+    pub fn lit_through<W: MaskWord>(&self, rows: &[W], depths: &[Depth]) -> [u32; 3] {
+        let (mut sum, all) = ([0; 3], W::below(self.columns));
+        let weights = self.weights.as_ref().chunks(self.columns.max(1) as usize);
+        for (row, (mask, weights)) in rows.iter().zip(weights).enumerate() {
+            let mut lit = all.without(*mask);
+            while lit != W::EMPTY {
+                let column = lit.lowest();
+                lit = lit.without(W::span(column, column + 1));
+                let depth = depths.get(row * self.columns as usize + column as usize).copied().unwrap_or_default();
+                if let Some(weight) = weights.get(column as usize) {
+                    for (sum, part) in sum.iter_mut().zip(tinted_weight(*weight, depth)) {
+                        *sum += part;
+                    }
+                }
+            }
+        }
+        sum
     }
 
     #[inline]

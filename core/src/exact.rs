@@ -33,7 +33,28 @@ impl<W: WideInt> GridForm<W> {
     #[cfg_attr(not(target_arch = "spirv"), inline(always))]
     #[cfg_attr(target_arch = "spirv", inline(never))]
     pub fn sign_at(&self, row: i32, column: i32) -> i32 {
-        self.at_origin.plus(self.per_row.times(row)).plus(self.per_column.times(column)).sign()
+        self.at(row, column).sign()
+    }
+
+    /// Value at sample (`row`, `column`).
+    #[inline(always)]
+    pub fn at(&self, row: i32, column: i32) -> W {
+        self.at_origin.plus(self.per_row.times(row)).plus(self.per_column.times(column))
+    }
+
+    /// As [`GridForm::sign_at`]; where that is 0, the sign a little farther along the columns; where that is 0 too, along the rows.
+    /// Of two forms that differ in sign alone, one is positive: of triangles that share an edge, one is met by what meets the edge.
+    #[cfg_attr(not(target_arch = "spirv"), inline(always))]
+    #[cfg_attr(target_arch = "spirv", inline(never))]
+    pub fn sign_beside(&self, row: i32, column: i32) -> i32 {
+        let (here, across) = (self.at(row, column).sign(), self.per_column.sign());
+        if here != 0 {
+            here
+        } else if across != 0 {
+            across
+        } else {
+            self.per_row.sign()
+        }
     }
 
     /// The form `n·(L − from)` over the light's samples.

@@ -23,6 +23,7 @@ pub mod jitter;
 pub mod jittered_rows;
 pub mod kernel;
 pub mod lanes;
+pub mod layers;
 pub mod light;
 pub mod mask_word;
 pub mod mesh;
@@ -31,6 +32,7 @@ pub mod order;
 pub mod outline;
 pub mod params;
 pub mod plane_cell;
+pub mod plane_offset;
 pub mod precision;
 pub mod proj4;
 pub mod punctual;
@@ -44,6 +46,10 @@ pub mod snap;
 pub mod stage;
 pub mod statistics;
 pub mod surface;
+pub mod surface_words;
+pub(crate) mod texel;
+pub mod texture;
+pub mod tint;
 pub mod trace;
 pub mod view;
 pub mod wide;
@@ -55,6 +61,8 @@ pub mod accumulate;
 pub mod any_light;
 #[cfg(not(target_arch = "spirv"))]
 pub mod area_light;
+#[cfg(not(target_arch = "spirv"))]
+pub mod closed;
 #[cfg(not(target_arch = "spirv"))]
 pub mod cloud;
 #[cfg(not(target_arch = "spirv"))]
@@ -82,6 +90,8 @@ pub mod keyed_mesh;
 #[cfg(not(target_arch = "spirv"))]
 pub mod lattice;
 #[cfg(not(target_arch = "spirv"))]
+pub mod packed_caster;
+#[cfg(not(target_arch = "spirv"))]
 pub mod plan;
 #[cfg(not(target_arch = "spirv"))]
 pub mod punctual_light;
@@ -97,6 +107,7 @@ pub use glam;
 pub use facing::Facing;
 pub use jitter::Jitter;
 pub use lanes::Lanes;
+pub use layers::Layers;
 pub use light::LatticeLight;
 pub use mask_word::{MaskWord, PairWord};
 pub use precision::{Exact, Fast, Precision, PrecisionMode};
@@ -113,7 +124,9 @@ pub use executor::Executor;
 #[cfg(not(target_arch = "spirv"))]
 pub use lattice::{Bounds, Lattice, LatticeError, SnapError};
 #[cfg(not(target_arch = "spirv"))]
-pub use plan::{IndexKind, Pass, Plan, SceneFacts};
+pub use packed_caster::{CasterWork, PackedCaster};
+#[cfg(not(target_arch = "spirv"))]
+pub use plan::{CasterFacts, IndexKind, Pass, Plan, SceneFacts, Work};
 #[cfg(not(target_arch = "spirv"))]
 pub use punctual_light::{DirectionalLight, PointLight, PunctualLightError};
 #[cfg(not(target_arch = "spirv"))]

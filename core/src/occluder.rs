@@ -74,9 +74,20 @@ impl Facing {
     pub fn occluder(self, [a, b, c]: [IVec3; 3]) -> Option<Occluder> {
         match self {
             Self::Nothing => None,
-            Self::Front => Some(Occluder::new([a, b, c], false)),
-            Self::Back => Some(Occluder::new([a, c, b], false)),
-            Self::Mixed => Some(Occluder::new([a, b, c], true)),
+            Self::Front => Some(Occluder::new([a, b, c], 0)),
+            Self::Back => Some(Occluder::new([a, c, b], Occluder::SWAPPED)),
+            Self::Mixed => Some(Occluder::new([a, b, c], Occluder::MIXED)),
+        }
+    }
+
+    /// The same of a triangle of a closed mesh ([`crate::closed`]): it blocks only what lies behind it. (Sintorn, Eisemann and Assarsson
+    /// 2008, section 3.3, there by the light's centre; here for every sample.)
+    #[inline(always)]
+    pub fn closed_occluder(self, [a, b, c]: [IVec3; 3]) -> Option<Occluder> {
+        match self {
+            Self::Nothing | Self::Front => None,
+            Self::Back => self.occluder([a, b, c]),
+            Self::Mixed => Some(Occluder::new([a, b, c], Occluder::MIXED | Occluder::ONE_SIDED)),
         }
     }
 
@@ -98,7 +109,7 @@ impl Facing {
 #[repr(C)]
 pub struct Occluder {
     /// Lattice coordinates, axis-major, so that one load brings an axis of all corners. The fourth entries are no corner:
-    /// the first of them is 1 where the plane is mixed.
+    /// they are flags, the triangle's number, and 0.
     axes: [[i32; 4]; 3],
 }
 
@@ -106,19 +117,52 @@ impl Occluder {
     /// Stands where there is no triangle: blocks nothing.
     pub const NONE: Self = Self { axes: [[0; 4]; 3] };
 
+    /// The plane is mixed.
+    const MIXED: i32 = 1;
+    /// Only samples behind the triangle are blocked.
+    const ONE_SIDED: i32 = 2;
+    /// The last two corners have changed places.
+    const SWAPPED: i32 = 4;
+
     /// Orients a triangle towards the light. `None` where it blocks nothing.
     pub fn facing(light: &LatticeLight, corners: [IVec3; 3]) -> Option<Self> {
         Facing::of(light, corners).occluder(corners)
     }
 
-    fn new([a, b, c]: [IVec3; 3], mixed: bool) -> Self {
-        Self { axes: [[a.x, b.x, c.x, mixed as i32], [a.y, b.y, c.y, 0], [a.z, b.z, c.z, 0]] }
+    fn new([a, b, c]: [IVec3; 3], flags: i32) -> Self {
+        Self { axes: [[a.x, b.x, c.x, flags], [a.y, b.y, c.y, 0], [a.z, b.z, c.z, 0]] }
+    }
+
+    /// The same, as triangle `index` of its mesh.
+    #[inline(always)]
+    #[must_use]
+    pub fn numbered(mut self, index: u32) -> Self {
+        self.axes[1][3] = index as i32;
+        self
+    }
+
+    /// Which triangle of its mesh it is, where [`Occluder::numbered`] has told.
+    #[inline(always)]
+    pub fn index(&self) -> u32 {
+        self.axes[1][3] as u32
+    }
+
+    /// Whether the last two corners have changed places, so that it faces the light.
+    #[inline(always)]
+    pub fn is_swapped(&self) -> bool {
+        self.axes[0][3] & Self::SWAPPED != 0
+    }
+
+    /// Whether only samples behind the triangle are blocked, though its plane is mixed. (Others of closed meshes are oriented.)
+    #[inline(always)]
+    pub fn is_one_sided(&self) -> bool {
+        self.axes[0][3] & Self::ONE_SIDED != 0
     }
 
     /// Whether the triangle's plane meets the light's sample grid, so that it cuts masks as a fourth plane.
     #[inline(always)]
     pub fn is_mixed(&self) -> bool {
-        self.axes[0][3] != 0
+        self.axes[0][3] & Self::MIXED != 0
     }
 
     /// Corner k; `k < 3`.

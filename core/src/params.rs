@@ -6,17 +6,23 @@
 
 use glam::{IVec3, IVec4, UVec4, Vec3, Vec4};
 
+#[cfg(not(target_arch = "spirv"))]
+use crate::packed_caster::PackedCaster;
 use crate::{
     cloud_extent::CloudExtent,
     edge_plane::LightGrid,
     frame::LightFrame,
     hierarchy::{Levels, MAX_LEVELS},
     jitter::{Jitter, Pattern},
+    layers::Layers,
     light::LatticeLight,
     order::{BoxCurve, CodeFrame},
     plane_cell::TableSize,
     punctual::Punctual,
     punctual_frame::PunctualFrame,
+    stage::key_triangles::Casting,
+    surface_words::SurfaceLayout,
+    texture::TextureSize,
 };
 
 /// Parameters of a kernel. They say how ids are laid out.
@@ -70,7 +76,7 @@ macro_rules! dispatched_as_params {
     };
 }
 
-dispatched_as_params!(JitteredParams, PunctualParams, CloudParams);
+dispatched_as_params!(JitteredParams, PunctualParams, CloudParams, CasterParams);
 
 /// One light, the layout of the hierarchy, and one pass.
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
@@ -114,7 +120,7 @@ pub struct PassParams {
     pub stride: u32,
     /// Ids of a row of workgroups: those of a dispatch are laid out in rows, since a row is limited.
     pub row: u32,
-    /// Elements there are of what ids stand for by runs or blocks.
+    /// Elements there are of what ids stand for by runs or blocks; of stages that add to masks, whether there are any (1) yet (0).
     pub elements: u32,
     /// First element of a level of sums, or of nodes; place in its level of the node under which triangles are looked at.
     pub base: u32,
@@ -237,6 +243,59 @@ pub struct JitteredParams {
     pub params: Params,
     /// Where the light's samples lie.
     pub pattern: Pattern,
+}
+
+/// [`Params`] of a caster before a light with an area.
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C)]
+pub struct CasterParams {
+    /// The light and the pass.
+    pub params: Params,
+    /// Width, height and wraps of the texture; word of the first texel.
+    texture: UVec4,
+    /// Whether the mesh is closed; its plane offset; its layers; 0.
+    casting: UVec4,
+    /// Where the light's samples lie; zero where they are regular.
+    pub pattern: Pattern,
+}
+
+impl CasterParams {
+    /// What the passes of a caster share.
+    #[cfg(not(target_arch = "spirv"))]
+    pub fn new(params: Params, caster: &PackedCaster<'_>) -> Self {
+        let [width, height, wrap] = caster.texture.to_words();
+        let Casting { closed, offset } = caster.casting;
+        Self {
+            pattern: Pattern::of(&params.light()),
+            params,
+            texture: UVec4::new(width, height, wrap, caster.layout().texels),
+            casting: UVec4::new(u32::from(closed), offset, caster.layers.bits(), 0),
+        }
+    }
+
+    /// The same for one pass.
+    #[must_use]
+    pub fn with_pass(self, pass: &PassParams) -> Self {
+        Self { params: self.params.with_pass(pass), ..self }
+    }
+
+    /// How its surface is packed.
+    #[inline(always)]
+    pub fn layout(&self) -> SurfaceLayout {
+        SurfaceLayout { texture: TextureSize::from_words(self.texture), texels: self.texture.w }
+    }
+
+    /// How its triangles cast.
+    #[inline(always)]
+    pub fn casting(&self) -> Casting {
+        Casting { closed: self.casting.x != 0, offset: self.casting.y }
+    }
+
+    /// Its layers.
+    #[inline(always)]
+    pub fn layers(&self) -> Layers {
+        Layers::from_bits(self.casting.z)
+    }
 }
 
 /// [`Params`] of one frame of a light without extent.

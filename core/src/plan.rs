@@ -3,7 +3,7 @@
 
 use core::fmt;
 
-use crate::{executor::Executor, hierarchy::Levels, stage::Stage};
+use crate::{executor::Executor, hierarchy::Levels, layers::Layers, packed_caster::CasterWork, stage::Stage};
 
 /// How triangles and receivers are paired. Decides speed, never a bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -17,6 +17,31 @@ pub enum IndexKind {
     Grid,
     /// [`crate::shaft`]: before a light that is a [`crate::cloud`], whose masks come from [`Stage::ResolveCloud`].
     Shafts,
+}
+
+/// What a run is to do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Work {
+    /// All of it: index the triangles, and shadow the receivers.
+    #[default]
+    Whole,
+    /// Index the triangles of one caster.
+    Index,
+    /// Shadow the receivers by casters that are indexed.
+    Casters(CasterFacts),
+}
+
+/// What kinds of casters there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CasterFacts {
+    /// Casters of which every triangle blocks all it covers.
+    pub plain: u32,
+    /// Alpha-tested ones, and those with an offset.
+    pub cutout: u32,
+    /// Tinted ones, where light is asked for.
+    pub tinted: u32,
+    /// Whether receivers, or casters, are on some layers only.
+    pub layered: bool,
 }
 
 /// Cheap, exact facts about one run.
@@ -49,6 +74,28 @@ pub struct SceneFacts {
     pub punctual: bool,
     /// Whether samples of a cloud are looked up in a [table of planes](crate::cloud_table).
     pub table: bool,
+    /// What is to be done.
+    pub work: Work,
+}
+
+impl CasterFacts {
+    /// Of casters by the work they make and the layers they are on; `light`: whether tints matter; `layered`: whether receivers are on
+    /// some layers only. Casters on no layer matter to none.
+    pub fn of(casters: impl Iterator<Item = (CasterWork, Layers)>, light: bool, layered: bool) -> Self {
+        let mut facts = Self::default();
+        for (work, layers) in casters {
+            let count = match work {
+                CasterWork::Nothing => continue,
+                CasterWork::Tinted if !light => continue,
+                CasterWork::Plain => &mut facts.plain,
+                CasterWork::Cutout => &mut facts.cutout,
+                CasterWork::Tinted => &mut facts.tinted,
+            };
+            *count += 1;
+            facts.layered |= layers == Layers::NONE || layered;
+        }
+        facts
+    }
 }
 
 impl Default for SceneFacts {
@@ -68,6 +115,7 @@ impl Default for SceneFacts {
             facing: false,
             punctual: false,
             table: false,
+            work: Work::Whole,
         }
     }
 }
@@ -117,6 +165,11 @@ impl Plan {
     /// The first that the executor reports; no later pass is run.
     pub fn run<E: Executor>(&self, executor: &mut E) -> Result<(), E::Error> {
         let facts = &self.facts;
+        match facts.work {
+            Work::Whole => {}
+            Work::Index => return self.run_index(executor),
+            Work::Casters(casters) => return self.run_casters(&casters, executor),
+        }
         let index = self.index();
         // Before a cloud, every receiver is in full light where nothing lies between.
         if facts.receivers == 0 || (index == IndexKind::Shafts && facts.triangles == 0 && !facts.facing) {
@@ -166,6 +219,42 @@ impl Plan {
         once(Stage::Reduce, if facts.visibility && facts.punctual { facts.receivers } else { 0 }, 0)
     }
 
+    /// The passes that index one caster.
+    fn run_index<E: Executor>(&self, executor: &mut E) -> Result<(), E::Error> {
+        let mut once = |stage, count, first| {
+            if count > 0 { executor.dispatch(&Pass { stage, count, first }) } else { Ok(()) }
+        };
+        once(Stage::KeyTriangles, self.facts.triangles, 0)?;
+        once(Stage::OrderTriangles, self.facts.triangles, 0)?;
+        for level in 1..self.levels.count() {
+            once(Stage::BuildLevel, self.levels.range(level).len() as u32, level as u32)?;
+        }
+        Ok(())
+    }
+
+    /// The passes that shadow receivers by casters which are indexed.
+    fn run_casters<E: Executor>(&self, casters: &CasterFacts, executor: &mut E) -> Result<(), E::Error> {
+        let facts = &self.facts;
+        let mut once = |stage, runs: bool, count, first| {
+            if runs && count > 0 { executor.dispatch(&Pass { stage, count, first }) } else { Ok(()) }
+        };
+        let mut first = 0;
+        while first < facts.receivers {
+            let count = facts.block.max(1).min(facts.receivers - first);
+            let groups = count.div_ceil(crate::lanes::TILE as u32);
+            once(Stage::KeyReceivers, true, count, first)?;
+            once(Stage::SettleReceivers, facts.facing, count, first)?;
+            once(Stage::OrderReceivers, true, count, first)?;
+            once(Stage::SelectReceivers, casters.layered, count, first)?;
+            once(Stage::Resolve, casters.plain > 0, groups, first)?;
+            once(Stage::ResolveCutout, casters.cutout > 0, groups, first)?;
+            once(Stage::AddTint, casters.tinted > 0, groups, first)?;
+            once(Stage::Reduce, facts.visibility, count, first)?;
+            first += count;
+        }
+        Ok(())
+    }
+
     /// How triangles and receivers are paired: before a light without extent, always by the hierarchy.
     fn index(&self) -> IndexKind {
         if self.facts.punctual { IndexKind::Hierarchy } else { self.facts.index }
@@ -176,12 +265,20 @@ impl Plan {
         let facts = &self.facts;
         let (work, triangles) = (facts.receivers > 0, facts.triangles > 0);
         let (grid, cloud) = (self.index() == IndexKind::Grid, self.index() == IndexKind::Shafts);
+        match facts.work {
+            Work::Whole => {}
+            Work::Index => return self.reason_of_index(stage),
+            Work::Casters(casters) => return self.reason_of_casters(&casters, stage),
+        }
         match stage {
             _ if !work => (false, "no receivers"),
             Stage::SnapVertices if facts.new_vertices == 0 => (false, "the scene is on the lattice already"),
             Stage::SnapVertices => (true, "new vertices"),
             Stage::SnapReceivers if !facts.world_receivers => (false, "the receivers are on the lattice already"),
             Stage::SnapReceivers => (true, "receivers in world space"),
+            Stage::SelectReceivers => (false, "every triangle matters to every receiver"),
+            Stage::ResolveCutout => (false, "no texture cuts triangles"),
+            Stage::AddTint => (false, "no triangle is tinted"),
             Stage::Resolve | Stage::FindSilhouette if facts.punctual => {
                 (false, "the light has no extent: a mask is one bit")
             }
@@ -230,6 +327,39 @@ impl Plan {
             | Stage::ResolveCells => (true, "receivers to shadow"),
             Stage::Reduce if !facts.visibility => (false, "masks only"),
             Stage::Reduce => (true, "visibility is asked for"),
+        }
+    }
+}
+
+impl Plan {
+    fn reason_of_index(&self, stage: Stage) -> (bool, &'static str) {
+        match stage {
+            Stage::KeyTriangles | Stage::OrderTriangles if self.facts.triangles > 0 => (true, "triangles to index"),
+            Stage::KeyTriangles | Stage::OrderTriangles => (false, "no triangles"),
+            Stage::BuildLevel if self.levels.count() < 2 => (false, "one node holds all triangles"),
+            Stage::BuildLevel => (true, "more triangles than a node holds"),
+            _ => (false, "one caster is indexed"),
+        }
+    }
+
+    fn reason_of_casters(&self, casters: &CasterFacts, stage: Stage) -> (bool, &'static str) {
+        let facts = &self.facts;
+        match stage {
+            _ if facts.receivers == 0 => (false, "no receivers"),
+            Stage::KeyReceivers | Stage::OrderReceivers => (true, "receivers to shadow"),
+            Stage::SettleReceivers if facts.facing => (true, "receivers with normals: some may face away"),
+            Stage::SettleReceivers => (false, "receivers may look to any side"),
+            Stage::SelectReceivers if casters.layered => (true, "casters or receivers on some layers only"),
+            Stage::SelectReceivers => (false, "every caster matters to every receiver"),
+            Stage::Resolve if casters.plain > 0 => (true, "casters that block all they cover"),
+            Stage::Resolve => (false, "no caster blocks all it covers"),
+            Stage::ResolveCutout if casters.cutout > 0 => (true, "casters cut out by a texture, or with an offset"),
+            Stage::ResolveCutout => (false, "no caster is cut out by a texture"),
+            Stage::AddTint if casters.tinted > 0 => (true, "tinted casters, and light is asked for"),
+            Stage::AddTint => (false, "no caster is tinted, or masks only are asked for"),
+            Stage::Reduce if facts.visibility => (true, "visibility, or light, is asked for"),
+            Stage::Reduce => (false, "masks only"),
+            _ => (false, "the casters are indexed"),
         }
     }
 }

@@ -31,6 +31,8 @@ pub trait Real: Copy {
     fn dots(axis: &Axis<Self>, d: &[[i32; 4]; 3]) -> [f32; 4];
     /// `self − b·c`
     fn minus(self, b: Self, c: Self) -> Self;
+    /// `self + b·c`
+    fn plus(self, b: Self, c: Self) -> Self;
     /// `self / b`
     fn over(self, b: Self) -> Self;
 }
@@ -78,6 +80,10 @@ macro_rules! real {
             #[inline(always)]
             fn minus(self, b: Self, c: Self) -> Self {
                 self - b * c
+            }
+            #[inline(always)]
+            fn plus(self, b: Self, c: Self) -> Self {
+                self + b * c
             }
             #[inline(always)]
             fn over(self, b: Self) -> Self {

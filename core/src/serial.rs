@@ -258,6 +258,9 @@ impl<W: MaskWord, P: PrecisionMode> Executor for Serial<'_, W, P> {
             Stage::Resolve => (self.resolve(pass), "masks or receiver_order"),
             Stage::FindSilhouette
             | Stage::SettleReceivers
+            | Stage::SelectReceivers
+            | Stage::ResolveCutout
+            | Stage::AddTint
             | Stage::ResolvePunctual
             | Stage::ResolveCloud
             | Stage::DefineFrame

@@ -28,6 +28,8 @@ pub trait WideInt: Copy {
     fn bits(self) -> u32;
     /// The magnitude divided by `2^down`, rounded down; the largest `u32` where that is more. `down` in `-31..96`.
     fn shifted(self, down: i32) -> u32;
+    /// The magnitude, below 2^96, in words: the least significant first.
+    fn magnitude_words(self) -> [u32; 3];
 }
 
 #[cfg(not(target_arch = "spirv"))]
@@ -87,6 +89,12 @@ impl WideInt for i128 {
             magnitude.wrapping_shr(down.unsigned_abs()) as u32
         }
     }
+
+    #[inline(always)]
+    fn magnitude_words(self) -> [u32; 3] {
+        let magnitude = self.unsigned_abs();
+        [magnitude as u32, (magnitude >> 32) as u32, (magnitude >> 64) as u32]
+    }
 }
 
 /// Three `u32` limbs, least significant first, two's complement.
@@ -99,7 +107,7 @@ pub struct Limbs {
 
 /// `a·b` as (low, high) words, from 16-bit halves: no 64-bit integer is needed.
 #[inline(always)]
-const fn multiply(a: u32, b: u32) -> (u32, u32) {
+pub(crate) const fn multiply(a: u32, b: u32) -> (u32, u32) {
     let (a0, a1, b0, b1) = (a & 0xffff, a >> 16, b & 0xffff, b >> 16);
     let low = a0 * b0;
     // Neither sum overflows: 0xffff² + 2·0xffff = 2^32 − 1.
@@ -224,6 +232,11 @@ impl WideInt for Limbs {
         let bit = down as u32 & 31;
         // In two steps, since no word can be shifted by 32.
         lower >> bit | upper << 1 << (31 - bit)
+    }
+
+    #[inline(always)]
+    fn magnitude_words(self) -> [u32; 3] {
+        self.magnitude().words()
     }
 }
 

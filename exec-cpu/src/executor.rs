@@ -96,6 +96,14 @@ pub enum ExecutorError {
         /// Why.
         source: Box<ExecutorError>,
     },
+    /// There is no such caster.
+    #[error("caster {place} of {casters}: there is none")]
+    NoCaster {
+        /// Its place.
+        place: usize,
+        /// Casters there are.
+        casters: usize,
+    },
     /// The lists of the grid's cells would not fit the memory.
     #[error("the cells of the grid hold {entries} {field}, too many for the memory: use fewer cells or receivers")]
     GridTooLarge {
@@ -441,12 +449,12 @@ impl CpuExecutor {
         let room = [W::EMPTY; MAX_SAMPLES as usize];
         let work = || {
             if light.jitter.is_some() {
-                let visit = |answer: Answer<'_, W::Jittered>| {
+                let visit = |answer: Answer<'_, W::Shared>| {
                     let mut room = room;
-                    visit(answer.with_rows(W::of_jittered(answer.rows, &mut room)));
+                    visit(answer.with_rows(W::of_shared(answer.rows, &mut room)));
                 };
                 let samples = Pattern::of(light);
-                Run::<W::Jittered, _, _>::new(how, occluders, *light, &samples, receivers, &visit).finish()
+                Run::<W::Shared, _, _>::new(how, occluders, *light, &samples, receivers, &visit).finish()
             } else {
                 let visit = |answer: Answer<'_, W::Regular>| {
                     let mut room = room;

@@ -8,6 +8,7 @@ use umbra4_core::{
 };
 
 /// Things under a hierarchy.
+#[derive(Debug)]
 pub(crate) struct Hierarchy<T> {
     levels: Levels,
     nodes: Vec<KeyTile>,
@@ -17,6 +18,13 @@ pub(crate) struct Hierarchy<T> {
 impl<T> Hierarchy<T> {
     /// Of things in the order in which they are packed, with their keys.
     pub(crate) fn new(packed: impl Iterator<Item = (T, Keys)>) -> Self {
+        let mut hierarchy = Self::lowest(packed);
+        build_levels(&hierarchy.levels, &mut hierarchy.nodes);
+        hierarchy
+    }
+
+    /// The same, with the levels above the lowest yet to be built.
+    pub(crate) fn lowest(packed: impl Iterator<Item = (T, Keys)>) -> Self {
         let (mut things, mut nodes) = (Vec::new(), Vec::new());
         for (thing, keys) in packed {
             if things.len() % NODE == 0 {
@@ -29,8 +37,19 @@ impl<T> Hierarchy<T> {
         }
         let levels = Levels::of(things.len() as u32);
         nodes.resize(levels.tiles(), KeyTile::NOTHING);
-        build_levels(&levels, &mut nodes);
         Self { levels, nodes, things }
+    }
+
+    /// Builds one level from the one below it; there may be no such level.
+    pub(crate) fn build_level(&mut self, level: usize) {
+        if level < self.levels.count() {
+            build_level_of(&self.levels, &mut self.nodes, level);
+        }
+    }
+
+    /// Whether nothing is packed.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.things.is_empty()
     }
 
     pub(crate) fn indexed(&self) -> Indexed<'_, T> {

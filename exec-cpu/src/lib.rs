@@ -2,6 +2,8 @@
 //! `umbra4-core`.
 
 mod arrangement;
+mod casters;
+mod closed;
 mod cloud;
 mod cloud_light;
 mod cloud_masks;
@@ -27,6 +29,8 @@ mod statistics;
 mod triangles;
 mod word;
 
+pub use casters::{Caster, CasterError, CasterIndex};
+pub use closed::ClosedParts;
 pub use cloud_masks::CloudMasks;
 pub use executor::{CpuExecutor, ExecutorError};
 pub use from_maps::{ShadowMap, StochasticShadows};

@@ -248,10 +248,13 @@ impl<W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W
         let (first, count) = (pass.first as usize, pass.count as usize);
         match pass.stage {
             // The scene and the receivers are snapped when they are made, and the visitor reduces.
-            // Lights without extent, and clouds, have runs of their own.
+            // Lights without extent, clouds, and casters have runs of their own.
             Stage::SnapVertices
             | Stage::SnapReceivers
             | Stage::Reduce
+            | Stage::SelectReceivers
+            | Stage::ResolveCutout
+            | Stage::AddTint
             | Stage::ResolvePunctual
             | Stage::ResolveCloud => return Ok(()),
             Stage::KeyTriangles => self.key_triangles(),

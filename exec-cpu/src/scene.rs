@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use rayon::prelude::*;
 use thiserror::Error;
 use umbra4_core::{
-    AnyLight, Facing, Lattice, Lift, SnapError,
+    AnyLight, Facing, Lattice, Layers, Lift, SnapError,
     glam::{DVec3, IVec3, Vec3},
     stage::snap_receivers::lifted,
 };
@@ -66,6 +66,14 @@ pub enum SceneError {
         count: usize,
         /// Vertices of the mesh.
         vertices: usize,
+    },
+    /// Two arrays that belong together differ in length.
+    #[error("{count} layers for {receivers} receivers")]
+    LayerCount {
+        /// Layers given.
+        count: usize,
+        /// Receivers given.
+        receivers: usize,
     },
     /// Two arrays that belong together differ in length.
     #[error("{count} normals for {receivers} receivers")]
@@ -187,6 +195,12 @@ impl Occluders {
         Ok(())
     }
 
+    /// The same triangles with every vertex in a place of its own: what they have in common, they have by their indices.
+    pub(crate) fn by_indices(&self) -> Self {
+        let vertices = (0..self.vertices.len() as i32).map(|index| IVec3::new(index, 0, 0)).collect();
+        Self { vertices, triangles: self.triangles.clone(), arrangement: None }
+    }
+
     /// What was found of an arranged mesh.
     pub(crate) fn arrangement(&self) -> Option<&Arrangement> {
         self.arrangement.as_ref()
@@ -215,6 +229,8 @@ pub struct Receivers {
     points: Vec<IVec3>,
     /// Of all of them, or of none.
     facings: Vec<Facing>,
+    /// Of all of them, or of none.
+    layers: Vec<Layers>,
 }
 
 impl Receivers {
@@ -225,7 +241,7 @@ impl Receivers {
     pub fn raw(lattice: &Lattice, points: &[Vec3]) -> Result<Self, SceneError> {
         check_count("receivers", points.len())?;
         let points = snap_all(points, |p| lattice.snap(*p), |index, source| SceneError::Receiver { index, source })?;
-        Ok(Self { points, facings: Vec::new() })
+        Ok(Self { points, facings: Vec::new(), layers: Vec::new() })
     }
 
     /// As [`Receivers::raw`], from f64 coordinates.
@@ -236,7 +252,7 @@ impl Receivers {
         check_count("receivers", points.len())?;
         let points =
             snap_all(points, |p| lattice.snap_f64(*p), |index, source| SceneError::Receiver { index, source })?;
-        Ok(Self { points, facings: Vec::new() })
+        Ok(Self { points, facings: Vec::new(), layers: Vec::new() })
     }
 
     /// Receivers that lie on surfaces with the given normals (of any length, towards the side that is seen), such as a
@@ -249,11 +265,11 @@ impl Receivers {
         if normals.len() != points.len() {
             return Err(SceneError::NormalCount { count: normals.len(), receivers: points.len() });
         }
-        let Self { points, facings } = Self::raw(lattice, points)?;
+        let Self { points, facings, layers } = Self::raw(lattice, points)?;
         let lifted = |index: usize| {
             lifted(points[index], normals[index], lift).ok_or(SceneError::Normal { index, normal: normals[index] })
         };
-        Ok(Self { points: each(points.len(), lifted)?, facings })
+        Ok(Self { points: each(points.len(), lifted)?, facings, layers })
     }
 
     /// The same receivers, each of which faces the side that its surface's normal points to (of any length): a light that lies
@@ -276,7 +292,7 @@ impl Receivers {
     /// # Errors
     /// Another number of normals than receivers; the first normal that points nowhere.
     pub fn facing(self, normals: &[Vec3]) -> Result<Self, SceneError> {
-        let Self { points, .. } = self;
+        let Self { points, layers, .. } = self;
         if normals.len() != points.len() {
             return Err(SceneError::NormalCount { count: normals.len(), receivers: points.len() });
         }
@@ -284,7 +300,30 @@ impl Receivers {
             Facing::UNKNOWN => Err(SceneError::Normal { index, normal: normals[index] }),
             facing => Ok(facing),
         };
-        Ok(Self { facings: each(points.len(), facing)?, points })
+        Ok(Self { facings: each(points.len(), facing)?, points, layers })
+    }
+
+    /// The same receivers, each on layers of its own: of casters, those that have a layer in common shadow it
+    /// ([`crate::Caster::on_layers`]). Occluders that are no casters are on no layer, and shadow every receiver.
+    ///
+    /// # Errors
+    /// Another number of layers than receivers.
+    pub fn on_layers(self, layers: &[Layers]) -> Result<Self, SceneError> {
+        let receivers = self.points.len();
+        if layers.len() != receivers {
+            return Err(SceneError::LayerCount { count: layers.len(), receivers });
+        }
+        Ok(Self { layers: layers.to_vec(), ..self })
+    }
+
+    /// The layers that each receiver is on; empty where all are on every layer.
+    pub fn layers(&self) -> &[Layers] {
+        &self.layers
+    }
+
+    /// The layers that receiver `index` is on.
+    pub(crate) fn layers_of(&self, index: usize) -> Layers {
+        self.layers.get(index).copied().unwrap_or(Layers::ALL)
     }
 
     /// Which way each receiver faces; empty where they may look to any side.

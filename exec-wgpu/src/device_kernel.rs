@@ -60,7 +60,9 @@ impl DeviceKernel {
     /// wrong masks; why is not known yet.
     pub(crate) const fn is_always_checked(self) -> bool {
         match self {
-            Self::Exact(kernel) => matches!(kernel.info().params, ParamsKind::JitteredLight | ParamsKind::Cloud),
+            Self::Exact(kernel) => {
+                matches!(kernel.info().params, ParamsKind::JitteredLight | ParamsKind::Cloud | ParamsKind::Caster)
+            }
             Self::Maps(_) => false,
         }
     }

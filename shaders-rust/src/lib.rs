@@ -27,6 +27,7 @@ use umbra4_core::{
     shaft::BoxTile,
 };
 
+pub mod casters;
 pub mod microquads;
 pub mod stochastic;
 

@@ -64,7 +64,7 @@ pub fn fill_rows<L: Lanes, W: MaskWord, P: PrecisionMode>(
 ) {
     let filled = fill_outline::<L, W, P, 3>(outlines, 3, lane, ends, mask);
     if P::CERTIFIED && filled.is_unsure() {
-        let mut pair = PairIntegers::new::<Regular>(light, &group.receivers, occluder, lane);
+        let mut pair = PairIntegers::new::<Regular>(light, &group.receivers, occluder, lane, false);
         settle_outline(outlines, 3, lane, &mut pair, filled.unsure, mask);
     }
 }

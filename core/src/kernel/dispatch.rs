@@ -224,7 +224,7 @@ pub fn dispatches<E>(
                 ..PassParams::default()
             };
             (0..levels.range(level).len().max(1) as u32)
-                .try_for_each(|base| one(layout.resolve, PassParams { base, ..pass }, roles))
+                .try_for_each(|base| one(layout.resolve, PassParams { base, elements: base.min(1), ..pass }, roles))
         }
         Stage::Reduce => {
             let pass = PassParams { stride: layout.stride, ..by_id };
@@ -240,6 +240,9 @@ pub fn dispatches<E>(
         Stage::SnapVertices
         | Stage::SnapReceivers
         | Stage::FindSilhouette
+        | Stage::SelectReceivers
+        | Stage::ResolveCutout
+        | Stage::AddTint
         | Stage::DefineFrame
         | Stage::BinReceivers
         | Stage::BinTriangles

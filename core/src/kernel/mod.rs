@@ -8,6 +8,7 @@
 
 pub mod accumulate;
 pub mod build_level;
+pub mod casters;
 #[cfg(not(target_arch = "spirv"))]
 pub mod dispatch;
 pub mod face_pixels;
@@ -33,6 +34,7 @@ pub mod status;
 mod table;
 pub mod triangles;
 pub mod weigh;
+pub mod weigh_tinted;
 
 use crate::params::Dispatched;
 

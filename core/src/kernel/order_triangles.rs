@@ -30,7 +30,7 @@ pub fn order_triangles<T: LightParams>(
         let found = triangle(entry.index as usize, params, vertices, triangles);
         let mut occluder = Occluder::NONE;
         if let Some((_, facing)) = found {
-            occluder = facing;
+            occluder = facing.numbered(entry.index);
         }
         store(occluders, id, occluder);
     }

@@ -77,8 +77,8 @@ pub const STOPPED: u32 = 1;
 /// Counts of one receiver: pairs tested, kept, relevant; signs decided in integers.
 pub type ReceiverCounts = [u32; 4];
 
-/// The `id`-th receiver in the order of a block: the triangles under one node of the hierarchy are added to its mask.
-/// Those under the first of them start an empty one. Returns its index, and what was done for it.
+/// The `id`-th receiver in the order of a block: the triangles under one node of the hierarchy are added to its mask, or, with
+/// `elements` 0, to an empty one. Returns its index, and what was done for it.
 ///
 /// A driver may stop a thread that runs for too long: lavapipe ends all loops of a thread, and of its neighbours, after 65,535
 /// rounds together, silently. So a last loop asks whether loops still run; where they do not, the last word of `masks`, which
@@ -110,7 +110,11 @@ pub fn resolve<W: DeviceWord, P: PrecisionMode, S: Samples>(
     }
     let halves = pass.stride < grid.light.rows;
     let mut k = 0;
-    if pass.base > 0 {
+    if pass.elements > 0 {
+        // One that no triangle matters to has its mask, whatever that is.
+        if is_settled {
+            return (index, [0; 4]);
+        }
         while k < pass.stride as usize {
             W::load(&mut group.masks[0], k, halves, fetch(masks, index * pass.stride as usize + k, 0));
             k += 1;
@@ -146,7 +150,7 @@ pub fn resolve_counted<W: DeviceWord, P: PrecisionMode, S: Samples>(
     counts: &mut [ReceiverCounts],
 ) {
     let (index, own) = resolve::<W, P, S>(id, params, samples, receivers, keys, order, occluders, nodes, masks);
-    add_counts(params.pass().base, index, own, counts);
+    add_counts(params.pass().elements, index, own, counts);
 }
 
 /// A receiver, by its place in the order of a block.
@@ -172,17 +176,23 @@ pub(super) fn ordered(id: usize, pass: &PassParams, order: &[Entry], receivers: 
 /// runs fewer. `rounds` must come out of a buffer, or no compiler leaves the loop as it is.
 #[inline(always)]
 pub fn tell_if_stopped(rounds: u32, is_done: bool, words: &mut [u32]) {
-    let mut run = 0;
-    while run < rounds {
-        run += 1;
-    }
-    if run < rounds || !is_done {
+    if is_stopped(rounds) || !is_done {
         let last = words.len().wrapping_sub(1);
         store(words, last, STOPPED);
     }
 }
 
-/// Adds to the counts of a receiver; the first slice of triangles starts them.
+/// Whether a driver has stopped the thread's loops: one of `rounds` rounds, which must come out of a buffer, runs fewer.
+#[inline(always)]
+pub fn is_stopped(rounds: u32) -> bool {
+    let mut run = 0;
+    while run < rounds {
+        run += 1;
+    }
+    run < rounds
+}
+
+/// Adds to the counts of a receiver; with `slice` 0, they start.
 #[inline(always)]
 pub(super) fn add_counts(slice: u32, index: usize, own: ReceiverCounts, counts: &mut [ReceiverCounts]) {
     let before = if slice > 0 { fetch(counts, index, [0; 4]) } else { [0; 4] };

@@ -95,10 +95,30 @@ pub enum Kernel {
     ResolveCloudByTable,
     /// The same, counted.
     ResolveCloudByTableCounted,
+    /// [`super::key_triangles`], of a caster.
+    KeyCasterTriangles,
+    /// [`super::order_triangles`], of a caster.
+    OrderCasterTriangles,
+    /// [`super::casters::select_receivers`].
+    SelectReceivers,
+    /// [`super::casters::resolve_cutout`], lights of up to 32 columns.
+    ResolveCutout32,
+    /// Up to 64 columns.
+    ResolveCutout64,
+    /// [`Kernel::ResolveCutout32`], of jittered samples.
+    ResolveCutout32Jittered,
+    /// [`Kernel::ResolveCutout64`], of jittered samples.
+    ResolveCutout64Jittered,
+    /// [`super::casters::add_tint`].
+    AddTint,
+    /// The same, of jittered samples.
+    AddTintJittered,
     /// [`super::reduce`].
     Reduce,
     /// [`super::weigh`].
     Weigh,
+    /// [`super::weigh_tinted`].
+    WeighTinted,
     /// [`super::pack`].
     Pack,
     /// [`super::pack_light`].
@@ -151,6 +171,8 @@ pub enum Kernel {
 pub enum ParamsKind {
     /// [`crate::params::Params`]
     Light,
+    /// [`crate::params::CasterParams`]
+    Caster,
     /// [`crate::params::JitteredParams`]
     JitteredLight,
     /// [`crate::params::PunctualParams`]
@@ -168,6 +190,7 @@ impl ParamsKind {
     pub const fn size(self) -> usize {
         match self {
             Self::Light => size_of::<crate::params::Params>(),
+            Self::Caster => size_of::<crate::params::CasterParams>(),
             Self::JitteredLight => size_of::<crate::params::JitteredParams>(),
             Self::PunctualLight => size_of::<crate::params::PunctualParams>(),
             Self::Cloud => size_of::<crate::params::CloudParams>(),
@@ -211,6 +234,14 @@ pub enum Slot {
     Masks,
     /// [`super::resolve::ReceiverCounts`].
     Counts,
+    /// [`crate::layers::Layers`] of receivers, u32.
+    Layers,
+    /// A caster's surface: [`crate::surface_words`].
+    Surface,
+    /// [`crate::tint::Depth`]s of all samples of receivers.
+    SampleDepths,
+    /// [`crate::tint::TRANSMITTANCES`].
+    Transmittances,
     /// Lit samples, u32.
     LitCounts,
     /// Lit samples over frames, u32.
@@ -352,6 +383,22 @@ const fn resolve_cloud_counted(elements: Slot) -> [Bound; 7] {
 const RESOLVE_CLOUD_COUNTED: &[Bound] = &resolve_cloud_counted(Slot::Samples);
 const RESOLVE_CLOUD_BY_TABLE_COUNTED: &[Bound] = &resolve_cloud_counted(Slot::Planes);
 
+/// What a caster's triangles are met by, and what that changes.
+const fn with_surface(changed: Slot) -> [Bound; 7] {
+    [
+        read(Slot::Receivers),
+        read(Slot::Keys),
+        read(Slot::Order),
+        read(Slot::Occluders),
+        read(Slot::Nodes),
+        read(Slot::Surface),
+        write(changed),
+    ]
+}
+
+const RESOLVE_CUTOUT: &[Bound] = &with_surface(Slot::Masks);
+const ADD_TINT: &[Bound] = &with_surface(Slot::SampleDepths);
+
 /// All but the counts, which come last.
 const fn but_counts(counted: &[Bound]) -> &[Bound] {
     match counted {
@@ -377,6 +424,10 @@ const fn punctual(kernel: Kernel, name: &'static str, stage: Stage, bound: &'sta
 
 const fn cloud(kernel: Kernel, name: &'static str, stage: Stage, bound: &'static [Bound]) -> KernelInfo {
     KernelInfo { kernel, name, stage, params: ParamsKind::Cloud, bound }
+}
+
+const fn caster(kernel: Kernel, name: &'static str, stage: Stage, bound: &'static [Bound]) -> KernelInfo {
+    KernelInfo { kernel, name, stage, params: ParamsKind::Caster, bound }
 }
 
 const fn mesh(kernel: Kernel, name: &'static str, bound: &'static [Bound]) -> KernelInfo {
@@ -413,7 +464,7 @@ const OWNED_DEPTHS: &[Bound] = &owned(texture(Slot::Depths), texture(Slot::Norma
 const OWNED_DEPTH_SAMPLES: &[Bound] = &owned(samples(Slot::Depths), samples(Slot::Normals), Access::IdSamples);
 
 /// All kernels.
-pub const TABLE: [KernelInfo; 68] = [
+pub const TABLE: [KernelInfo; 78] = [
     line(Kernel::KeyTriangles, "key_triangles", Stage::KeyTriangles, KEY_TRIANGLES),
     line(Kernel::KeyReceivers, "key_receivers", Stage::KeyReceivers, KEY_RECEIVERS),
     line(
@@ -508,8 +559,34 @@ pub const TABLE: [KernelInfo; 68] = [
         Stage::ResolveCloud,
         RESOLVE_CLOUD_BY_TABLE_COUNTED,
     ),
+    caster(Kernel::KeyCasterTriangles, "key_caster_triangles", Stage::KeyTriangles, KEY_TRIANGLES),
+    caster(Kernel::OrderCasterTriangles, "order_caster_triangles", Stage::OrderTriangles, ORDER_TRIANGLES),
+    caster(
+        Kernel::SelectReceivers,
+        "select_receivers",
+        Stage::SelectReceivers,
+        &[read(Slot::Order), read(Slot::Layers), write(Slot::Sorted)],
+    ),
+    caster(Kernel::ResolveCutout32, "resolve_cutout_32", Stage::ResolveCutout, RESOLVE_CUTOUT),
+    caster(Kernel::ResolveCutout64, "resolve_cutout_64", Stage::ResolveCutout, RESOLVE_CUTOUT),
+    caster(Kernel::ResolveCutout32Jittered, "resolve_cutout_32_jittered", Stage::ResolveCutout, RESOLVE_CUTOUT),
+    caster(Kernel::ResolveCutout64Jittered, "resolve_cutout_64_jittered", Stage::ResolveCutout, RESOLVE_CUTOUT),
+    caster(Kernel::AddTint, "add_tint", Stage::AddTint, ADD_TINT),
+    caster(Kernel::AddTintJittered, "add_tint_jittered", Stage::AddTint, ADD_TINT),
     line(Kernel::Reduce, "reduce", Stage::Reduce, &[read(Slot::Masks), write(Slot::LitCounts)]),
     line(Kernel::Weigh, "weigh", Stage::Reduce, &[read(Slot::Masks), read(Slot::Weights), write(Slot::WeighedLight)]),
+    line(
+        Kernel::WeighTinted,
+        "weigh_tinted",
+        Stage::Reduce,
+        &[
+            read(Slot::Masks),
+            read(Slot::Weights),
+            read(Slot::SampleDepths),
+            read(Slot::Transmittances),
+            write(Slot::WeighedLight),
+        ],
+    ),
     line(
         Kernel::Pack,
         "pack",

@@ -2,6 +2,7 @@
 
 use crate::{
     kernel::{fetch, store},
+    light::LatticeLight,
     params::Params,
 };
 
@@ -21,25 +22,57 @@ pub fn weigh(id: usize, params: &Params, masks: &[u32], weights: &[PackedWeight]
     if id >= pass.count as usize {
         return;
     }
-    let (rows, columns) = (params.light().rows, params.light().columns);
-    // Columns that a word of 32 bits holds, and rows.
-    let (width, across) = if columns <= 16 { (16, 2) } else { (32, 1) };
-    let (mut sum, mut k) = ([0_u32; 3], 0);
-    while k < pass.stride {
-        let mut lit = !fetch(masks, id * pass.stride as usize + k as usize, 0);
-        while lit != 0 {
-            let bit = lit.trailing_zeros();
-            lit &= lit.wrapping_sub(1);
-            let (row, column) =
-                if columns > 32 { (k / 2, k % 2 * 32 + bit) } else { (k * across + bit / width, bit % width) };
-            if row < rows && column < columns {
-                let weight = fetch(weights, (row * columns + column) as usize, [0; 2]);
-                sum[0] += weight[0] & 0xffff;
-                sum[1] += weight[0] >> 16;
-                sum[2] += weight[1] & 0xffff;
-            }
-        }
-        k += 1;
+    let mut lit = lit_samples(&params.light(), pass.stride);
+    let mut sum = [0_u32; 3];
+    while let Some(sample) = lit.next(masks, id) {
+        let weight = fetch(weights, sample as usize, [0; 2]);
+        sum[0] += weight[0] & 0xffff;
+        sum[1] += weight[0] >> 16;
+        sum[2] += weight[1] & 0xffff;
     }
     store(light, pass.first as usize + id, sum);
+}
+
+/// The lit samples of a receiver, by their number, row by row.
+pub(super) struct LitSamples {
+    rows: u32,
+    columns: u32,
+    stride: u32,
+    /// The word that is looked at, and what is left of it.
+    word: u32,
+    left: u32,
+}
+
+/// Those of a light, from masks of `stride` words.
+#[inline(always)]
+pub(super) fn lit_samples(light: &LatticeLight, stride: u32) -> LitSamples {
+    LitSamples { rows: light.rows, columns: light.columns, stride, word: u32::MAX, left: 0 }
+}
+
+impl LitSamples {
+    /// The next of receiver `id` of a block.
+    #[inline(always)]
+    pub(super) fn next(&mut self, masks: &[u32], id: usize) -> Option<u32> {
+        // Columns that a word of 32 bits holds, and rows.
+        let (width, across) = if self.columns <= 16 { (16, 2) } else { (32, 1) };
+        loop {
+            while self.left != 0 {
+                let bit = self.left.trailing_zeros();
+                self.left &= self.left.wrapping_sub(1);
+                let (row, column) = if self.columns > 32 {
+                    (self.word / 2, self.word % 2 * 32 + bit)
+                } else {
+                    (self.word * across + bit / width, bit % width)
+                };
+                if row < self.rows && column < self.columns {
+                    return Some(row * self.columns + column);
+                }
+            }
+            self.word = self.word.wrapping_add(1);
+            if self.word >= self.stride {
+                return None;
+            }
+            self.left = !fetch(masks, id * self.stride as usize + self.word as usize, 0);
+        }
+    }
 }

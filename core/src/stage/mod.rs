@@ -3,7 +3,9 @@
 //! Data flows one way: lattice → keys → order → hierarchy → masks → visibility. [`TABLE`] lists every stage with what it
 //! reads and writes; executors and tests read that table, so none of it is written twice.
 
+pub mod add_tint;
 pub mod build_level;
+mod cover;
 pub mod key_receivers;
 pub mod key_triangles;
 pub mod reduce;
@@ -12,6 +14,7 @@ pub mod resolve;
 pub mod resolve_cells;
 #[cfg(not(target_arch = "spirv"))]
 pub mod resolve_cloud;
+pub mod resolve_cutout;
 pub mod resolve_punctual;
 #[cfg(not(target_arch = "spirv"))]
 pub mod resolve_silhouette;
@@ -41,8 +44,14 @@ pub enum Stage {
     SettleReceivers,
     /// Receivers along the curve of [`crate::order`], in groups of sixteen.
     OrderReceivers,
+    /// Receivers that a caster matters to, by their layers ([`crate::layers`]).
+    SelectReceivers,
     /// Masks of a group of receivers.
     Resolve,
+    /// What alpha-tested casters add to them, and casters with an offset.
+    ResolveCutout,
+    /// What tinted casters put before the light samples of a group of receivers.
+    AddTint,
     /// Which receivers of a group a light without extent does not reach.
     ResolvePunctual,
     /// Which samples of a cloud a group of receivers does not see.
@@ -89,6 +98,16 @@ pub enum Binding {
     ReceiverKeys,
     /// Receivers in order.
     Groups,
+    /// [`crate::layers::Layers`] of all receivers.
+    Layers,
+    /// For every caster, the receivers it matters to.
+    Selected,
+    /// [`crate::texture::TexturedTriangle`]s of a caster.
+    TexturedTriangles,
+    /// Texels of a caster: a bit each, or a [`crate::tint::Depth`].
+    Texels,
+    /// [`crate::tint::Depth`]s of all samples of receivers.
+    Depths,
     /// The [`crate::grid::FrameBuffer`].
     FrameBuffer,
     /// Receivers cell by cell.
@@ -125,7 +144,7 @@ pub struct StageInfo {
 use Binding as B;
 
 /// All stages, in the order in which data flows.
-pub const TABLE: [StageInfo; 17] = [
+pub const TABLE: [StageInfo; 20] = [
     StageInfo {
         stage: Stage::SnapVertices,
         name: "snap_vertices",
@@ -199,11 +218,35 @@ pub const TABLE: [StageInfo; 17] = [
         workgroup: 64,
     },
     StageInfo {
+        stage: Stage::SelectReceivers,
+        name: "select_receivers",
+        id: "receiver",
+        reads: &[B::Groups, B::Layers],
+        writes: &[B::Selected],
+        workgroup: 64,
+    },
+    StageInfo {
         stage: Stage::Resolve,
         name: "resolve",
         id: "group of sixteen receivers",
         reads: &[B::Receivers, B::Groups, B::Occluders, B::Nodes, B::Silhouette],
         writes: &[B::Masks],
+        workgroup: 16,
+    },
+    StageInfo {
+        stage: Stage::ResolveCutout,
+        name: "resolve_cutout",
+        id: "group of sixteen receivers",
+        reads: &[B::Receivers, B::Groups, B::Occluders, B::Nodes, B::TexturedTriangles, B::Texels],
+        writes: &[B::Masks],
+        workgroup: 16,
+    },
+    StageInfo {
+        stage: Stage::AddTint,
+        name: "add_tint",
+        id: "group of sixteen receivers",
+        reads: &[B::Receivers, B::Groups, B::Masks, B::Occluders, B::Nodes, B::TexturedTriangles, B::Texels],
+        writes: &[B::Depths],
         workgroup: 16,
     },
     StageInfo {

@@ -12,6 +12,7 @@ use crate::{
     bit_mask,
     doubt::PairIntegers,
     edge_plane::{LightGrid, Lines, PairPlanes, ReceiverTile},
+    exact::{self, Wide},
     hierarchy::{Levels, Root, Walk},
     jitter::{Regular, Samples},
     jittered_rows::{self, Limits},
@@ -55,6 +56,8 @@ pub struct Group<W> {
     pub touched: u32,
     /// Bit l: lane l's mask may have a bit set.
     pub shadowed: u32,
+    /// Whether a sample on an edge that two triangles share belongs to one of them, not to both: where they are counted.
+    pub edges_once: bool,
     /// Their masks. Rows beyond the light's hold full words.
     pub masks: [MaskRows<W>; TILE],
     /// Triangles that block at least one sample of each; of a receiver that became full, those met until then.
@@ -78,6 +81,7 @@ impl<W: MaskWord> Group<W> {
             active: 0,
             touched: 0,
             shadowed: 0,
+            edges_once: false,
             masks: [mask; TILE],
             relevant: [0; TILE],
             counts: Counts::default(),
@@ -137,7 +141,7 @@ impl<W> Group<W> {
 
     /// Books one pair. `lane < TILE`.
     #[inline(always)]
-    fn tell(&mut self, lane: usize, relevant: bool) {
+    pub(crate) fn tell(&mut self, lane: usize, relevant: bool) {
         self.relevant[lane % TILE] += relevant as u32;
         self.touched |= (relevant as u32) << lane;
         self.shadowed |= (relevant as u32) << lane;
@@ -218,7 +222,7 @@ pub(crate) fn descend<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples>(
 
 /// Receivers whose mask is full take no further part. Looked at once a tile of triangles: it costs as much as a pair.
 #[inline(always)]
-fn drop_full<W: MaskWord>(columns: u32, group: &mut Group<W>) {
+pub(crate) fn drop_full<W: MaskWord>(columns: u32, group: &mut Group<W>) {
     let mut touched = core::mem::take(&mut group.touched) & group.active;
     while touched != 0 {
         let lane = touched.trailing_zeros() as usize % TILE;
@@ -257,10 +261,16 @@ impl<R: Real> Meeting<R> {
     ) {
         let Self { view, three, four } = self;
         if TILE == 1 {
-            // One code for both: a kernel of half the size.
-            four.meet::<L, W, P, S>(grid, samples, view, occluder, occluder.is_mixed(), kept, group);
+            let kept = before(&group.receivers, occluder, kept);
+            if kept != 0 {
+                // One code for both: a kernel of half the size.
+                four.meet::<L, W, P, S>(grid, samples, view, occluder, occluder.is_mixed(), kept, group);
+            }
         } else if occluder.is_mixed() {
-            four.meet::<L, W, P, S>(grid, samples, view, occluder, true, kept, group);
+            let kept = before(&group.receivers, occluder, kept);
+            if kept != 0 {
+                four.meet::<L, W, P, S>(grid, samples, view, occluder, true, kept, group);
+            }
         } else {
             three.meet::<L, W, P, S>(grid, samples, view, occluder, false, kept, group);
         }
@@ -286,6 +296,23 @@ impl<R: Real> Meeting<R> {
             fill_bits_by_planes::<L, W, P, 3>(grid, occluder, alive, &self.three.lines, group);
         }
     }
+}
+
+/// The receivers among `kept` from which the triangle may be met: of a one-sided one, those before it, so that only samples behind it are
+/// blocked. In integers: few triangles are both one-sided and mixed.
+#[inline(always)]
+fn before(receivers: &ReceiverTile, occluder: &Occluder, kept: u32) -> u32 {
+    if !occluder.is_one_sided() {
+        return kept;
+    }
+    let (mut found, mut left) = (0, kept);
+    while left != 0 {
+        let lane = left.trailing_zeros();
+        left &= left - 1;
+        let far = exact::far_side::<Wide>(receivers.point(lane as usize), occluder.corners());
+        found |= ((far < 0) as u32) << lane;
+    }
+    found
 }
 
 /// Room for the lines of one triangle with `E` planes. (Here and below all is inlined: a function of its own would be
@@ -363,7 +390,7 @@ fn fill_outlines<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples, const E: u
         let filled = row_mask::fill_outline::<L, W, P, E>(outlines, planes, lane, &ends, &mut group.masks[lane]);
         let mut relevant = filled.relevant;
         if P::CERTIFIED && filled.is_unsure() {
-            let mut pair = PairIntegers::new::<S>(&grid.light, &group.receivers, occluder, lane);
+            let mut pair = PairIntegers::new::<S>(&grid.light, &group.receivers, occluder, lane, group.edges_once);
             relevant |=
                 row_mask::settle_outline(outlines, planes, lane, &mut pair, filled.unsure, &mut group.masks[lane]);
             group.counts.fallbacks += pair.fallbacks;
@@ -394,7 +421,7 @@ fn fill_by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples, const E: 
         let filled = row_mask::fill::<L, W, P, E>(lines, planes, lane, &grid.light, &mut group.masks[lane]);
         let mut relevant = filled.relevant;
         if P::CERTIFIED && filled.is_unsure() {
-            let mut pair = PairIntegers::new::<S>(&grid.light, &group.receivers, occluder, lane);
+            let mut pair = PairIntegers::new::<S>(&grid.light, &group.receivers, occluder, lane, group.edges_once);
             relevant |= row_mask::settle_rows(lines, planes, lane, &mut pair, filled.unsure, &mut group.masks[lane]);
             group.counts.fallbacks += pair.fallbacks;
         }
@@ -419,7 +446,7 @@ fn fill_jittered<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples, M: Limits,
     let filled = jittered_rows::fill::<L, W, P, S, M, E>(lines, planes, lane, rows, columns, samples, mask);
     let mut relevant = filled.relevant;
     if P::CERTIFIED && filled.is_unsure() {
-        let mut pair = PairIntegers::new::<S>(&grid.light, &group.receivers, occluder, lane);
+        let mut pair = PairIntegers::new::<S>(&grid.light, &group.receivers, occluder, lane, group.edges_once);
         let unsure = filled.unsure;
         relevant |= jittered_rows::settle(lines, planes, lane, rows[0], unsure, columns, samples, &mut pair, mask);
         group.counts.fallbacks += pair.fallbacks;
@@ -439,7 +466,7 @@ fn fill_bits_by_planes<L: Lanes, W: MaskWord, P: PrecisionMode, const E: usize>(
     while alive != 0 {
         let lane = alive.trailing_zeros() as usize % TILE;
         alive &= alive - 1;
-        let mut pair = PairIntegers::new::<Regular>(&grid.light, &group.receivers, occluder, lane);
+        let mut pair = PairIntegers::new::<Regular>(&grid.light, &group.receivers, occluder, lane, false);
         let relevant = bit_mask::fill_bits::<L, W, P, E>(lines, lane, &mut pair, &mut group.masks[lane]);
         group.counts.fallbacks += pair.fallbacks;
         group.tell(lane, relevant);

@@ -5,12 +5,15 @@ use umbra4_core::{
     cloud_pair::SampleTest,
     lanes::Four,
     stage::{
+        add_tint::TintScene,
         resolve::{Group, Occlusion},
         resolve_cells::CellScene,
         resolve_cloud::{CloudGroup, CloudScene},
+        resolve_cutout::CutoutScene,
         resolve_punctual::{PunctualGroup, PunctualScene},
         resolve_silhouette::{SilhouetteRoom, SilhouetteScene},
     },
+    tint::Depth,
 };
 
 use crate::{Detected, Isa, lanes::Portable};
@@ -101,4 +104,19 @@ stage! {
     resolve_cloud::resolve_cloud<P: PrecisionMode, T: SampleTest>(
         scene: &CloudScene<'_, T>, group: &mut CloudGroup
     ), portable: Four
+}
+stage! {
+    resolve_cutout::resolve_cutout<W: MaskWord, S: Portable>(
+        scene: &CutoutScene<'_>, samples: &S, group: &mut Group<W>, room: &mut Group<W>
+    ), portable: S::Lanes
+}
+stage! {
+    add_tint::add_tint<W: MaskWord, S: Portable>(
+        scene: &TintScene<'_>,
+        samples: &S,
+        group: &mut Group<W>,
+        room: &mut Group<W>,
+        depths: &mut [Depth],
+        tinted: &mut u32
+    ), portable: S::Lanes
 }

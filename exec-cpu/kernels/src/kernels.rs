@@ -7,12 +7,15 @@ use umbra4_core::{
     cloud_tiles::CloudTiles,
     jitter::{Pattern, Regular},
     stage::{
+        add_tint::TintScene,
         resolve::{Group, Occlusion},
         resolve_cells::CellScene,
         resolve_cloud::{CloudGroup, CloudScene},
+        resolve_cutout::CutoutScene,
         resolve_punctual::{PunctualGroup, PunctualScene},
         resolve_silhouette::{SilhouetteRoom, SilhouetteScene},
     },
+    tint::Depth,
 };
 
 use crate::{Detected, compiled};
@@ -86,6 +89,65 @@ kernels! {
     u64, Regular, Fast, with cells;
     u32, Pattern, Exact;
     u64, Pattern, Exact;
+}
+
+/// The kernels of special casters, which are certified always.
+pub trait CasterKernels<S>: Kernels<S> {
+    /// Adds what an alpha-tested caster blocks, or one whose planes are offset, to the masks of a group.
+    fn resolve_cutout(
+        isa: Detected,
+        scene: &CutoutScene<'_>,
+        samples: &S,
+        group: &mut Group<Self>,
+        room: &mut Group<Self>,
+    );
+    /// Adds what the panes of a tinted caster take to the depths of a group; see [`umbra4_core::stage::add_tint`].
+    fn add_tint(
+        isa: Detected,
+        scene: &TintScene<'_>,
+        samples: &S,
+        group: &mut Group<Self>,
+        room: &mut Group<Self>,
+        depths: &mut [Depth],
+        tinted: &mut u32,
+    );
+}
+
+macro_rules! caster_kernels {
+    ($($word:ty, $samples:ty;)*) => {
+        $(
+            impl CasterKernels<$samples> for $word {
+                fn resolve_cutout(
+                    isa: Detected,
+                    scene: &CutoutScene<'_>,
+                    samples: &$samples,
+                    group: &mut Group<Self>,
+                    room: &mut Group<Self>,
+                ) {
+                    compiled::resolve_cutout::run::<Self, _>(isa, scene, samples, group, room);
+                }
+
+                fn add_tint(
+                    isa: Detected,
+                    scene: &TintScene<'_>,
+                    samples: &$samples,
+                    group: &mut Group<Self>,
+                    room: &mut Group<Self>,
+                    depths: &mut [Depth],
+                    tinted: &mut u32,
+                ) {
+                    compiled::add_tint::run::<Self, _>(isa, scene, samples, group, room, depths, tinted);
+                }
+            }
+        )*
+    };
+}
+
+caster_kernels! {
+    u32, Regular;
+    u64, Regular;
+    u32, Pattern;
+    u64, Pattern;
 }
 
 /// Finds the receivers of a group that a light without extent does not reach.

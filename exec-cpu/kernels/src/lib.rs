@@ -10,4 +10,4 @@ mod kernels;
 mod lanes;
 
 pub use isa::{Detected, Isa};
-pub use kernels::{CloudKernels, Kernels, resolve_punctual};
+pub use kernels::{CasterKernels, CloudKernels, Kernels, resolve_punctual};

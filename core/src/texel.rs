@@ -1,0 +1,247 @@
+//! Which texel of a triangle a light sample is seen through: a ratio of determinants, certified like every sign.
+//!
+//! Let receiver p see sample L through triangle (a, b, c). Where the ray meets it, the corners count as the determinants of the
+//! edges opposite to them do ([`crate::exact`]): all have one sign, and their sum D is that of the triangle's own. With the corners at
+//! `m_a, m_b, m_c` (integers, in 2^-16 texels from the texel the triangle counts from), the texel is `⌊N / (D·2^16)⌋`, where
+//! `N = Σ w·m`. A hit on the border of two texels belongs to the upper one.
+//!
+//! # Error bound
+//! Weights are linear over the grid; each is known to within Δ, the error of its three products and of their sum. N and D are sums of
+//! three, so that N/D moves by at most `2·m·Δ'/(D − Δ')` with m the largest of the corners' and Δ' the sum of the three Δ, besides
+//! eight roundoffs of the quotient's own. Where a border lies that near, the texel is found in integers: `N ≥ D·2^16·t` for the borders t
+//! in question, magnitudes of at most 130 bits.
+
+use glam::IVec3;
+
+use crate::{
+    doubt::{PairForms, PairIntegers},
+    edge_plane::{LightGrid, cross_magnitudes, float},
+    jitter::Place,
+    lanes::Lanes,
+    real::Real,
+    texture::{TextureSize, TexturedTriangle},
+    view::SPARE,
+    wide::multiply,
+};
+
+/// What a corner counts, over the light's grid.
+#[derive(Clone, Copy)]
+struct Weight<R> {
+    at_origin: R,
+    per_row: R,
+    per_column: R,
+    doubt: f32,
+}
+
+impl<R: Real> Weight<R> {
+    /// Of the corner opposite to the edge `from → to`.
+    #[inline(always)]
+    fn new(grid: &LightGrid, p: IVec3, from: IVec3, to: IVec3) -> Self {
+        let (d, e, g) = (from - p, to - from, grid.light.origin - p);
+        let normal = R::cross(d, e);
+        let extent = float(grid.light.step_u).abs() * grid.light.last_column()
+            + float(grid.light.step_v).abs() * grid.light.last_row();
+        // Two products and sums more than a side has, relative to the same terms.
+        let error = R::SIDE_ERROR * (1.5 * SPARE);
+        Self {
+            at_origin: R::dot(&normal, g),
+            per_row: R::dot(&normal, grid.light.step_v),
+            per_column: R::dot(&normal, grid.light.step_u),
+            doubt: error * cross_magnitudes(float(d), float(e)).dot(float(g).abs() + extent),
+        }
+    }
+
+    #[inline(always)]
+    fn at(&self, place: &Place) -> R {
+        let along = self.at_origin.plus(self.per_row, R::from_f32(place.row));
+        along.plus(self.per_column, R::from_f32(place.column))
+    }
+}
+
+/// A receiver and a textured triangle: where its light samples are seen.
+#[derive(Clone, Copy)]
+pub(crate) struct TexelView<R> {
+    /// Of corners a, b, c.
+    weights: [Weight<R>; 3],
+    /// Of all three together.
+    doubt: f32,
+}
+
+impl<R: Real> TexelView<R> {
+    /// Of a receiver, and corners in the order of their planes.
+    #[inline(always)]
+    pub(crate) fn new(grid: &LightGrid, p: IVec3, [a, b, c]: [IVec3; 3]) -> Self {
+        let weights = [Weight::new(grid, p, b, c), Weight::new(grid, p, c, a), Weight::new(grid, p, a, b)];
+        Self { weights, doubt: weights[0].doubt + weights[1].doubt + weights[2].doubt }
+    }
+
+    /// The place in the texture of the texel that a sample is seen through. `triangle`: where the triangle lies in it, `swapped`: with
+    /// its last two corners changed. The sample is one that the triangle blocks.
+    #[inline(always)]
+    pub(crate) fn texel(
+        &self,
+        texture: &TextureSize,
+        triangle: &TexturedTriangle,
+        swapped: bool,
+        place: &Place,
+        pair: &mut PairIntegers,
+        forms: &mut PairForms,
+    ) -> u32 {
+        let (second, third) = if swapped { (3, 2) } else { (2, 3) };
+        let w = [self.weights[0].at(place), self.weights[1].at(place), self.weights[2].at(place)];
+        let sum =
+            R::from_f32(0.0).plus(w[0], R::from_f32(1.0)).plus(w[1], R::from_f32(1.0)).plus(w[2], R::from_f32(1.0));
+        let x = self.along([triangle[1], triangle[second], triangle[third]], &w, sum, place, pair, forms);
+        let y = self.along([triangle[5], triangle[4 + second], triangle[4 + third]], &w, sum, place, pair, forms);
+        texture.place(triangle, [x, y])
+    }
+
+    /// Whole texels along one axis, of corners at `m`.
+    #[inline(always)]
+    fn along(
+        &self,
+        m: [u32; 3],
+        w: &[R; 3],
+        sum: R,
+        place: &Place,
+        pair: &mut PairIntegers,
+        forms: &mut PairForms,
+    ) -> u32 {
+        let most = larger(m[0], larger(m[1], m[2]));
+        let last = most >> 16;
+        // All in one texel, as often in small triangles.
+        if last == 0 {
+            return 0;
+        }
+        let (texel, size) = (R::from_f32(1.0 / 65536.0), Lanes::abs(sum.to_f32()));
+        let at = [of::<R>(m[0]), of::<R>(m[1]), of::<R>(m[2])];
+        let scaled = R::from_f32(0.0).plus(w[0], at[0]).plus(w[1], at[1]).plus(w[2], at[2]);
+        let known = size - self.doubt;
+        let (mut from, mut to) = (0, last);
+        if known > size * 0.5 {
+            let x = R::from_f32(0.0).plus(scaled.over(sum), texel).to_f32();
+            let most = most as f32 / 65536.0;
+            let doubt = 2.0 * most * self.doubt / known + most * (8.0 * f32::EPSILON);
+            from = within(Lanes::floor(Lanes::max(x - doubt, 0.0)), last);
+            to = within(Lanes::floor(Lanes::max(x + doubt, 0.0)), last);
+        }
+        if from == to {
+            return from;
+        }
+        pair.fallbacks += 1;
+        texel_between(forms.weights(pair, place), m, from, to)
+    }
+}
+
+/// A whole number up to 2^32.
+#[inline(always)]
+fn of<R: Real>(m: u32) -> R {
+    // Both halves are floats.
+    R::from_f32((m & 0xffff) as f32).plus(R::from_f32((m >> 16) as f32), R::from_f32(65536.0))
+}
+
+#[inline(always)]
+fn larger(a: u32, b: u32) -> u32 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn within(texel: i32, last: u32) -> u32 {
+    if texel < 0 {
+        0
+    } else if (texel as u32) < last {
+        texel as u32
+    } else {
+        last
+    }
+}
+
+/// Five words, the least significant first.
+type Sum = [u32; 5];
+
+/// `sum + w·m`.
+#[inline(always)]
+fn plus(sum: Sum, w: [u32; 3], m: u32) -> Sum {
+    let (w0, w1, w2) = (multiply(w[0], m), multiply(w[1], m), multiply(w[2], m));
+    let (a, c0) = carried(sum[0], w0.0, 0);
+    let (b, c1) = carried(sum[1], w1.0, w0.1);
+    let (c, c2) = carried(sum[2], w2.0, w1.1);
+    let (d, c3) = carried(sum[3], w2.1, 0);
+    let (b, c1) = with_carry(b, c1, c0);
+    let (c, c2) = with_carry(c, c2, c1);
+    let (d, c3) = with_carry(d, c3, c2);
+    [a, b, c, d, sum[4].wrapping_add(c3)]
+}
+
+/// The sum of three words, and what is carried.
+#[inline(always)]
+fn carried(a: u32, b: u32, c: u32) -> (u32, u32) {
+    let ab = a.wrapping_add(b);
+    let abc = ab.wrapping_add(c);
+    (abc, (ab < a) as u32 + (abc < ab) as u32)
+}
+
+/// A word and its carry with what was carried before.
+#[inline(always)]
+fn with_carry(word: u32, carry: u32, before: u32) -> (u32, u32) {
+    let sum = word.wrapping_add(before);
+    (sum, carry + (sum < word) as u32)
+}
+
+#[inline(always)]
+fn is_less(a: &Sum, b: &Sum) -> bool {
+    let (mut less, mut k) = (false, 0);
+    while k < 5 {
+        less = a[k] < b[k] || (a[k] == b[k] && less);
+        k += 1;
+    }
+    less
+}
+
+/// The largest t in `from..=to` with `Σ w·m ≥ t·2^16·Σ w`, or `from`.
+#[cfg_attr(not(target_arch = "spirv"), inline)]
+#[cfg_attr(target_arch = "spirv", inline(never))]
+fn texel_between(w: [[u32; 3]; 3], m: [u32; 3], mut from: u32, mut to: u32) -> u32 {
+    let at = plus(plus(plus([0; 5], w[0], m[0]), w[1], m[1]), w[2], m[2]);
+    while from < to {
+        let middle = from + (to - from).div_ceil(2);
+        let border = middle << 16;
+        if is_less(&at, &plus(plus(plus([0; 5], w[0], border), w[1], border), w[2], border)) {
+            to = middle - 1;
+        } else {
+            from = middle;
+        }
+    }
+    from
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn value(sum: Sum) -> [u128; 2] {
+        let low = u128::from(sum[0]) | u128::from(sum[1]) << 32 | u128::from(sum[2]) << 64 | u128::from(sum[3]) << 96;
+        [low, u128::from(sum[4])]
+    }
+
+    #[test]
+    fn sums_carry_through_all_words() {
+        let most = [u32::MAX; 3];
+        let sum = plus(plus([0; 5], most, u32::MAX), most, u32::MAX);
+        let product = ((1_u128 << 96) - 1) * ((1 << 32) - 1);
+        let (low, carry) = product.overflowing_add(product);
+        assert_eq!(value(sum), [low, u128::from(carry)]);
+        assert!(is_less(&[9, 0, 0, 0, 1], &[0, 0, 0, 0, 2]) && !is_less(&[1, 2, 3, 4, 5], &[1, 2, 3, 4, 5]));
+    }
+
+    #[test]
+    fn borders_belong_to_the_upper_texel() {
+        let w = |x: u32| [0, x, 0];
+        for t in 0..9 {
+            // Half way between two corners.
+            assert_eq!(texel_between([w(1), w(1), w(0)], [0, t << 17, 0], 0, 20), t);
+            let below = if t > 0 { (t << 17) - 2 } else { 0 };
+            assert_eq!(texel_between([w(1), w(1), w(0)], [0, below, 0], 0, 20), t.max(1) - 1);
+        }
+    }
+}

@@ -1,0 +1,246 @@
+//! One run over casters that are indexed: the stages as rayon jobs, over the groups of a block of receivers.
+
+use std::{convert::Infallible, time::Instant};
+
+use rayon::prelude::*;
+use umbra4_core::{
+    CasterWork, Counts, Executor, Pass, Plan, Precision,
+    lanes::TILE,
+    order::Entry,
+    proj4::Keys,
+    stage::{Stage, key_receivers::key_receivers, resolve::Group},
+    tint::Depth,
+};
+use umbra4_cpu_kernels::{CasterKernels, Detected};
+
+use crate::{CasterIndex, Receivers, Statistics, casters::index::IndexedCaster, order::ordered};
+
+/// Groups a job.
+const GROUPS_A_JOB: usize = 16;
+
+/// One receiver's result.
+pub(crate) struct CasterAnswer<'a, W> {
+    pub(crate) receiver: usize,
+    pub(crate) rows: &'a [W],
+    /// What panes put before its samples; nothing where no pane was met.
+    pub(crate) depths: &'a [Depth],
+    /// No bit is set.
+    pub(crate) lit: bool,
+}
+
+/// Sixteen receivers, their masks, and what panes put before their samples.
+struct Shadowed<W> {
+    group: Group<W>,
+    /// A depth a sample, lane by lane; empty where no light is asked for.
+    depths: Vec<Depth>,
+    /// Bit l: lane l's depths are not all clear.
+    tinted: u32,
+}
+
+/// An executor for casters and one set of receivers. Masks go to `visit` as soon as they are done.
+pub(crate) struct CasterRun<'a, W, S, V> {
+    index: &'a CasterIndex,
+    isa: Detected,
+    samples: &'a S,
+    receivers: &'a Receivers,
+    visit: &'a V,
+    keys: Vec<Option<Keys>>,
+    order: Vec<Entry>,
+    /// Of the block, in order.
+    groups: Vec<Shadowed<W>>,
+    /// Groups that hold receivers.
+    filled: usize,
+    /// Caster by caster, the lanes of every group that it matters to; empty where all do.
+    selected: Vec<Vec<u32>>,
+    /// First receiver of the block that is worked on, and not yet handed out.
+    block: Option<usize>,
+    pub(crate) statistics: Statistics,
+}
+
+impl<'a, W: CasterKernels<S>, S: Sync, V: Fn(CasterAnswer<'_, W>) + Sync> CasterRun<'a, W, S, V> {
+    pub(crate) fn new(
+        index: &'a CasterIndex,
+        isa: Detected,
+        samples: &'a S,
+        receivers: &'a Receivers,
+        visit: &'a V,
+    ) -> Self {
+        Self {
+            index,
+            isa,
+            samples,
+            receivers,
+            visit,
+            keys: Vec::new(),
+            order: Vec::new(),
+            groups: Vec::new(),
+            filled: 0,
+            selected: Vec::new(),
+            block: None,
+            statistics: Statistics::default(),
+        }
+    }
+
+    fn key_receivers(&mut self, first: usize, count: usize) {
+        let (grid, points) = (&self.index.grid, &self.receivers.points()[first..first + count]);
+        (0..count)
+            .into_par_iter()
+            .map(|id| key_receivers(id, &grid.frame, &grid.light, points))
+            .collect_into_vec(&mut self.keys);
+    }
+
+    fn settle_receivers(&mut self, first: usize) {
+        let (light, receivers) = (&self.index.grid.light, self.receivers);
+        self.keys.par_iter_mut().enumerate().for_each(|(id, keys)| {
+            let index = first + id;
+            if receivers.facing_of(index).is_away_from(light, receivers.points()[index]) {
+                *keys = None;
+            }
+        });
+    }
+
+    /// Puts the receivers in order, and into groups.
+    fn order_receivers(&mut self, first: usize) {
+        let light = &self.index.grid.light;
+        self.order = ordered(&self.index.grid.frame, &self.keys, |keys| *keys);
+        self.filled = self.order.len().div_ceil(TILE);
+        while self.groups.len() < self.filled {
+            self.groups.push(Shadowed { group: Group::empty(light.rows), depths: Vec::new(), tinted: 0 });
+        }
+        let (points, keys) = (self.receivers.points(), &self.keys);
+        let samples = light.sample_count() as usize;
+        let groups = self.groups.par_iter_mut().zip(self.order.par_chunks(TILE)).with_min_len(GROUPS_A_JOB);
+        groups.for_each(|(shadowed, entries)| {
+            shadowed.group.clear(light.rows);
+            for lane in 0..TILE {
+                if shadowed.tinted >> lane & 1 == 1 {
+                    shadowed.depths[lane * samples..][..samples].fill(Depth::CLEAR);
+                }
+            }
+            shadowed.tinted = 0;
+            for (lane, entry) in entries.iter().enumerate() {
+                let index = entry.index as usize;
+                match &keys[index] {
+                    Some(keys) => shadowed.group.set(lane, points[first + index], keys),
+                    None => shadowed.group.set_behind(lane, light),
+                }
+            }
+        });
+    }
+
+    fn select_receivers(&mut self, first: usize) {
+        let (order, receivers) = (&self.order, self.receivers);
+        let lanes_of = |caster: &IndexedCaster| {
+            let lanes = |entries: &[Entry]| {
+                let meets = |entry: &Entry| caster.layers.meet(receivers.layers_of(first + entry.index as usize));
+                entries.iter().enumerate().fold(0, |lanes, (lane, entry)| lanes | u32::from(meets(entry)) << lane)
+            };
+            order.chunks(TILE).map(lanes).collect()
+        };
+        self.selected = self.index.casters.par_iter().map(lanes_of).collect();
+    }
+
+    /// Has every caster of a kind work on every group.
+    fn shadow(&mut self, kind: CasterWork, work: impl Fn(&IndexedCaster, &mut Shadowed<W>, &mut Group<W>) + Sync) {
+        let (casters, selected, rows) = (&self.index.casters, &self.selected, self.index.grid.light.rows);
+        let groups = self.groups[..self.filled].par_iter_mut().enumerate().with_min_len(GROUPS_A_JOB);
+        let on_group = |room: &mut Box<Group<W>>, (place, shadowed): (usize, &mut Shadowed<W>)| {
+            for (number, caster) in casters.iter().enumerate().filter(|(_, caster)| caster.work() == kind) {
+                let wanted = selected.get(number).and_then(|lanes| lanes.get(place)).copied().unwrap_or(u32::MAX);
+                let others = shadowed.group.active & !wanted;
+                shadowed.group.active &= wanted;
+                if shadowed.group.active != 0 {
+                    work(caster, shadowed, room);
+                }
+                shadowed.group.active |= others;
+            }
+        };
+        groups.for_each_init(|| Box::new(Group::empty(rows)), on_group);
+    }
+
+    fn resolve(&mut self) {
+        let (grid, isa, samples) = (&self.index.grid, self.isa, self.samples);
+        self.shadow(CasterWork::Plain, |caster, shadowed, _| {
+            W::resolve(isa, Precision::Exact, &caster.occlusion(grid), samples, &mut shadowed.group);
+        });
+    }
+
+    fn resolve_cutout(&mut self) {
+        let (grid, isa, samples) = (&self.index.grid, self.isa, self.samples);
+        self.shadow(CasterWork::Cutout, |caster, shadowed, room| {
+            W::resolve_cutout(isa, &caster.cutout(grid), samples, &mut shadowed.group, room);
+        });
+    }
+
+    fn add_tint(&mut self) {
+        let (grid, isa, samples) = (&self.index.grid, self.isa, self.samples);
+        let count = grid.light.sample_count() as usize * TILE;
+        self.shadow(CasterWork::Tinted, |caster, shadowed, room| {
+            let Shadowed { group, depths, tinted } = shadowed;
+            depths.resize(count, Depth::CLEAR);
+            W::add_tint(isa, &caster.tint(grid), samples, group, room, depths, tinted);
+        });
+    }
+
+    /// Hands out the masks of the block that is done.
+    fn hand_out(&mut self) {
+        let Some(first) = self.block.take() else { return };
+        let light = &self.index.grid.light;
+        let (rows, samples, visit) = (light.rows as usize, light.sample_count() as usize, self.visit);
+        let groups = self.groups[..self.filled].par_iter().zip(self.order.par_chunks(TILE)).with_min_len(GROUPS_A_JOB);
+        let counts = groups.map(|(Shadowed { group, depths, tinted }, entries)| {
+            for (lane, entry) in entries.iter().enumerate() {
+                let is_tinted = tinted >> lane & 1 == 1;
+                visit(CasterAnswer {
+                    receiver: first + entry.index as usize,
+                    rows: &group.masks[lane][..rows],
+                    depths: if is_tinted { &depths[lane * samples..][..samples] } else { &[] },
+                    lit: group.shadowed >> lane & 1 == 0,
+                });
+            }
+            group.counts
+        });
+        self.statistics.counts = self.statistics.counts.plus(counts.reduce(Counts::default, Counts::plus));
+    }
+}
+
+impl<W: CasterKernels<S>, S: Sync, V: Fn(CasterAnswer<'_, W>) + Sync> CasterRun<'_, W, S, V> {
+    /// Runs the plan.
+    pub(crate) fn finish(mut self, plan: &Plan) -> Statistics {
+        let Ok(()) = plan.run(&mut self);
+        self.timed(Stage::Reduce, Self::hand_out);
+        self.statistics.sort();
+        self.statistics
+    }
+
+    fn timed(&mut self, stage: Stage, work: impl FnOnce(&mut Self)) {
+        let start = Instant::now();
+        work(self);
+        self.statistics.add(stage, start.elapsed());
+    }
+}
+
+impl<W: CasterKernels<S>, S: Sync, V: Fn(CasterAnswer<'_, W>) + Sync> Executor for CasterRun<'_, W, S, V> {
+    type Error = Infallible;
+
+    fn dispatch(&mut self, pass: &Pass) -> Result<(), Infallible> {
+        let (first, count) = (pass.first as usize, pass.count as usize);
+        if pass.stage == Stage::KeyReceivers {
+            self.timed(Stage::Reduce, Self::hand_out);
+            self.block = Some(first);
+        }
+        let stage: &dyn Fn(&mut Self) = match pass.stage {
+            Stage::KeyReceivers => &|run| run.key_receivers(first, count),
+            Stage::SettleReceivers => &|run| run.settle_receivers(first),
+            Stage::OrderReceivers => &|run| run.order_receivers(first),
+            Stage::SelectReceivers => &|run| run.select_receivers(first),
+            Stage::Resolve => &Self::resolve,
+            Stage::ResolveCutout => &Self::resolve_cutout,
+            Stage::AddTint => &Self::add_tint,
+            // Masks are reduced by whoever is handed them; casters are indexed.
+            _ => return Ok(()),
+        };
+        self.timed(pass.stage, stage);
+        Ok(())
+    }
+}
