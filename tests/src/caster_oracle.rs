@@ -11,6 +11,8 @@ pub mod depth;
 pub mod hit;
 pub mod texel;
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use umbra4_core::{LatticeLight, glam::IVec3};
 
@@ -66,6 +68,18 @@ impl OracleCaster {
     #[must_use]
     pub fn with_surface(self, surface: OracleSurface) -> Self {
         Self { surface, ..self }
+    }
+
+    /// Leaves triangles out.
+    pub fn remove(&mut self, triangles: Range<usize>) {
+        self.triangles.drain(triangles.clone());
+        match &mut self.surface {
+            OracleSurface::Cutout { coordinates, .. }
+            | OracleSurface::Tinted { coordinates: Some(coordinates), .. } => {
+                coordinates.drain(triangles);
+            }
+            _ => {}
+        }
     }
 
     fn is_tinted(&self) -> bool {

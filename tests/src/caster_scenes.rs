@@ -1,6 +1,6 @@
 //! Scenes of casters: random, deterministic, and made so that hits fall on borders of texels, on edges that triangles share, on corners.
 
-use umbra4_core::{LatticeLight, glam::IVec3};
+use umbra4_core::{LatticeLight, glam::IVec3, plane_offset::MOST_OFFSET, texture::MOST_SPAN};
 
 use crate::{
     caster_oracle::{
@@ -58,6 +58,9 @@ pub fn grid(rng: &mut Rng, bits: u32) -> SampleGrid {
     }
 }
 
+/// The largest texture coordinate: 2^14 textures.
+const FAR: i32 = 1 << 30;
+
 /// The nearest towards zero that an f32 holds.
 fn short(x: i64) -> i32 {
     let surplus = (64 - x.unsigned_abs().leading_zeros()).saturating_sub(24);
@@ -65,29 +68,35 @@ fn short(x: i64) -> i32 {
     if x < 0 { -size } else { size }
 }
 
-/// Coordinates of a triangle's corners on a texture of given size.
+/// Coordinates of a triangle's corners on a texture of given size: as far from zero, and reaching over as many texels, as is allowed.
 fn corners(rng: &mut Rng, size: [u32; 2]) -> Corners {
     let kind = rng.below(8);
-    let any = |rng: &mut Rng, extent: i32| [0; 3].map(|_| [0; 2].map(|_| short(i64::from(rng.around(extent)))));
-    match kind {
+    let any = |rng: &mut Rng, extent: i32| [0; 3].map(|_| [0; 2].map(|_| rng.around(extent)));
+    let mut corners = match kind {
         0 => [[0, 0], [1 << 16, 0], [0, 1 << 16]],
         1 => any(rng, 1 << 16),
         2 => any(rng, 1 << 20),
-        // As far as coordinates go.
-        3 => any(rng, 1 << 30),
+        3 => any(rng, FAR),
         // All in one texel, or on its border.
         4 => any(rng, 1000),
-        5 => {
-            let far = 1 << 30;
-            [0; 3].map(|_| [0; 2].map(|_| rng.pick(&[-far, far, 0])))
-        }
+        5 => [0; 3].map(|_| [0; 2].map(|_| rng.pick(&[-FAR, FAR, 0]))),
         // Corners on borders of texels, exactly where the size is a power of two.
         6 => [0; 3].map(|_| [0, 1].map(|axis| on_border(i64::from(rng.around(4)), size[axis]))),
         _ => {
             let one = rng.around(1 << 18);
             [[one, one + 1]; 3]
         }
+    };
+    let away = if kind == 3 && rng.one_in(2) { -1 } else { 1 };
+    for axis in 0..2 {
+        let lowest = corners.iter().map(|uv| i64::from(short(i64::from(uv[axis])))).min().unwrap_or(0);
+        let most = (i64::from(MOST_SPAN - 1) << 16) / i64::from(size[axis]);
+        for uv in &mut corners {
+            // What is shortened moves by at most 64.
+            uv[axis] = away * short(i64::from(uv[axis]).min(lowest + (most - 64).max(0)));
+        }
     }
+    corners
 }
 
 /// The coordinate of border `k` of `size` texels, on 2^-16.
@@ -103,7 +112,7 @@ fn size(rng: &mut Rng) -> [u32; 2] {
     const SIDES: [u32; 9] = [1, 2, 3, 4, 5, 7, 16, 64, 100];
     match rng.below(12) {
         0 => [1, 1],
-        1 => [1000, rng.pick(&[1, 3])],
+        1 => [rng.pick(&[1000, 1 << 14]), rng.pick(&[1, 3])],
         2 => [3, 1000],
         _ => [rng.pick(&SIDES), rng.pick(&SIDES)],
     }
@@ -160,7 +169,7 @@ fn layers(rng: &mut Rng) -> u32 {
 }
 
 fn offset(rng: &mut Rng, extent: i32) -> i32 {
-    if rng.one_in(2) { 0 } else { rng.pick(&[1, 2, 7, extent >> 10, extent >> 4]) }
+    if rng.one_in(2) { 0 } else { rng.pick(&[1, 2, 7, extent >> 10, extent >> 4]).min(MOST_OFFSET as i32) }
 }
 
 /// A caster of given triangles, whatever else it is.
@@ -452,10 +461,17 @@ pub fn slabs(rng: &mut Rng, samples: SampleGrid) -> CasterScene {
     let (mut casters, mut points) = (vec![], vec![]);
     for _ in 0..1 + rng.below(5) {
         let mut triangles = vec![];
-        let offset = rng.pick(&[1, 3, 64, extent >> 8, extent >> 3, extent]);
+        let offset = rng.pick(&[1, 3, 64, extent >> 8, extent >> 3, extent]).min(MOST_OFFSET as i32);
         for _ in 0..1 + rng.below(8) {
             let (at, size) = (rng.point(extent), 1 + (extent >> rng.below(4)));
-            let triangle = [0; 3].map(|_| at + rng.point(size));
+            let mut triangle = [0; 3].map(|_| at + rng.point(size));
+            if rng.one_in(4) {
+                // Its plane passes a corner of the light: on which side do all samples lie?
+                let [i, j] = [light.rows, light.columns].map(|count| rng.pick(&[0, count as i32 - 1, count as i32]));
+                triangle[0] = light.origin + light.step_v * i + light.step_u * j
+                    - light.step_u / 64 * rng.around(32)
+                    - light.step_v / 64 * rng.around(32);
+            }
             let sample = light.sample(rng.below(light.rows as usize) as u32, rng.below(light.columns as usize) as u32);
             let [a, b, c] = triangle;
             let inside = a + (b - a) / 4 + (c - a) / 4;

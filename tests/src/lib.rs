@@ -10,7 +10,8 @@
 //! | [`compare`] | are two results the same bits? |
 //! | [`filtered`] | are two lists of filtered visibility the same, but for what floats decide? |
 //! | [`scene`], [`scenes`], [`meshes`], [`grids`], [`slab`] | scenes in lattice integers or world floats, deterministic |
-//! | [`caster_scenes`] | scenes of casters |
+//! | [`caster_scenes`], [`caster_inputs`] | scenes of casters, and what an executor is given of them |
+//! | [`caster_suite`] | what executors have to pass, of casters |
 //! | [`hard_cases`] | the named cases, each with what must hold beyond equality with the oracle |
 //! | [`hard_shadows`], [`weights`], [`clouds`] | lights without extent; emissions; clouds of samples |
 //! | [`facings`] | receivers that face some way |
@@ -23,8 +24,10 @@
 
 pub mod alone;
 pub mod bigint;
+pub mod caster_inputs;
 pub mod caster_oracle;
 pub mod caster_scenes;
+pub mod caster_suite;
 pub mod clouds;
 pub mod compare;
 pub mod device;
