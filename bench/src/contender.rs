@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 use umbra4_core::{Counts, VolumeLightError, cloud_table::TableError, emission::EmissionError};
-use umbra4_cpu::{ExecutorError, Index, Precision, SceneError};
+use umbra4_cpu::{CasterError, ExecutorError, Index, Precision, SceneError};
 
 use crate::{
     bvh_rival::BvhRival,
@@ -46,6 +46,9 @@ pub enum ContenderError {
         /// Samples of the light.
         samples: u32,
     },
+    /// There is no such caster.
+    #[error(transparent)]
+    Caster(#[from] CasterError),
     /// There is no such emission.
     #[error(transparent)]
     Emission(#[from] EmissionError),

@@ -155,7 +155,8 @@ impl AnyExecutor {
                 Ok((visibility, statistics.into()))
             }
             Self::Gpu(gpu, _) => {
-                let receivers = LatticeReceivers { points: receivers.points(), facings: receivers.facings() };
+                let receivers =
+                    LatticeReceivers { points: receivers.points(), facings: receivers.facings(), layers: &[] };
                 let (visibility, statistics) =
                     gpu.visibility_by(technique, &on_lattice(occluders), light, receivers)?;
                 Ok((visibility, statistics.into()))

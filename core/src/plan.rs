@@ -219,6 +219,24 @@ impl Plan {
         once(Stage::Reduce, if facts.visibility && facts.punctual { facts.receivers } else { 0 }, 0)
     }
 
+    /// The last stage of every block, of a plan for casters that are indexed.
+    pub fn last_of_block(&self) -> Option<Stage> {
+        let Work::Casters(casters) = self.facts.work else { return None };
+        Some(if self.facts.visibility {
+            Stage::Reduce
+        } else if casters.tinted > 0 {
+            Stage::AddTint
+        } else if casters.cutout > 0 {
+            Stage::ResolveCutout
+        } else if casters.plain > 0 {
+            Stage::Resolve
+        } else if casters.layered {
+            Stage::SelectReceivers
+        } else {
+            Stage::OrderReceivers
+        })
+    }
+
     /// The passes that index one caster.
     fn run_index<E: Executor>(&self, executor: &mut E) -> Result<(), E::Error> {
         let mut once = |stage, count, first| {

@@ -6,6 +6,7 @@
 //!
 //! Sintorn, Eisemann and Assarsson 2008 name transparency by coverage of samples; depths leave every sample its colour.
 
+#[cfg(not(target_arch = "spirv"))]
 use crate::emission::Weight;
 
 /// The depth of what lets nothing through. Sums stay there.

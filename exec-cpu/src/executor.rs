@@ -449,12 +449,12 @@ impl CpuExecutor {
         let room = [W::EMPTY; MAX_SAMPLES as usize];
         let work = || {
             if light.jitter.is_some() {
-                let visit = |answer: Answer<'_, W::Shared>| {
+                let visit = |answer: Answer<'_, W::Jittered>| {
                     let mut room = room;
-                    visit(answer.with_rows(W::of_shared(answer.rows, &mut room)));
+                    visit(answer.with_rows(W::of_jittered(answer.rows, &mut room)));
                 };
                 let samples = Pattern::of(light);
-                Run::<W::Shared, _, _>::new(how, occluders, *light, &samples, receivers, &visit).finish()
+                Run::<W::Jittered, _, _>::new(how, occluders, *light, &samples, receivers, &visit).finish()
             } else {
                 let visit = |answer: Answer<'_, W::Regular>| {
                     let mut room = room;

@@ -195,6 +195,19 @@ impl Occluders {
         Ok(())
     }
 
+    /// The triangles for which `first` holds, and the others: each a mesh of the same vertices, in the same order. Triangles of which
+    /// nothing is said are among the others. An arrangement is lost.
+    pub fn split(&self, first: &[bool]) -> (Self, Self) {
+        let is_first = |(index, _): &(usize, &[u32; 3])| first.get(*index).copied().unwrap_or(false);
+        let (ours, others): (Vec<_>, Vec<_>) = self.triangles.iter().enumerate().partition(is_first);
+        let mesh = |triangles: Vec<(usize, &[u32; 3])>| Self {
+            vertices: self.vertices.clone(),
+            triangles: triangles.into_iter().map(|(_, triangle)| *triangle).collect(),
+            arrangement: None,
+        };
+        (mesh(ours), mesh(others))
+    }
+
     /// The same triangles with every vertex in a place of its own: what they have in common, they have by their indices.
     pub(crate) fn by_indices(&self) -> Self {
         let vertices = (0..self.vertices.len() as i32).map(|index| IVec3::new(index, 0, 0)).collect();

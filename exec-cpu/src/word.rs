@@ -5,22 +5,25 @@ use umbra4_core::{
     MaskWord, PairWord,
     jitter::{Pattern, Regular},
 };
-use umbra4_cpu_kernels::{CasterKernels, Kernels};
+use umbra4_cpu_kernels::Kernels;
 
 /// A mask word of this executor: `u16`, `u32`, `u64`, and the pair of `u32` that GPUs use.
 pub trait CpuWord: MaskWord {
     /// The word that masks of regular samples are computed in.
     #[doc(hidden)]
     type Regular: Kernels<Regular>;
-    /// The word that masks of jittered samples, and of casters, are computed in.
+    /// The word that masks of jittered samples are computed in.
     #[doc(hidden)]
-    type Shared: Kernels<Pattern> + CasterKernels<Regular> + CasterKernels<Pattern>;
+    type Jittered: Kernels<Pattern>;
     /// Rows as they are handed out; `room` is as long.
     #[doc(hidden)]
     fn of_regular<'a>(rows: &'a [Self::Regular], room: &'a mut [Self]) -> &'a [Self];
     /// Rows as they are handed out; `room` is as long.
     #[doc(hidden)]
-    fn of_shared<'a>(rows: &'a [Self::Shared], room: &'a mut [Self]) -> &'a [Self];
+    fn of_jittered<'a>(rows: &'a [Self::Jittered], room: &'a mut [Self]) -> &'a [Self];
+    /// Of a row of casters' masks, which are computed in words of 64 bits. A row has no bits beyond the light's columns.
+    #[doc(hidden)]
+    fn of_row(row: u64) -> Self;
 }
 
 /// Rows in words of another type.
@@ -37,15 +40,19 @@ fn pair(word: u64) -> PairWord {
 
 impl CpuWord for u16 {
     type Regular = Self;
-    type Shared = u32;
+    type Jittered = u32;
 
     fn of_regular<'a>(rows: &'a [Self], _: &'a mut [Self]) -> &'a [Self] {
         rows
     }
 
     // A row has no bits beyond the light's columns.
-    fn of_shared<'a>(rows: &'a [u32], room: &'a mut [Self]) -> &'a [Self] {
+    fn of_jittered<'a>(rows: &'a [u32], room: &'a mut [Self]) -> &'a [Self] {
         converted(rows, room, |row| row as Self)
+    }
+
+    fn of_row(row: u64) -> Self {
+        row as Self
     }
 }
 
@@ -54,14 +61,18 @@ macro_rules! own_kernels {
         $(
             impl CpuWord for $word {
                 type Regular = Self;
-                type Shared = Self;
+                type Jittered = Self;
 
                 fn of_regular<'a>(rows: &'a [Self], _: &'a mut [Self]) -> &'a [Self] {
                     rows
                 }
 
-                fn of_shared<'a>(rows: &'a [Self], _: &'a mut [Self]) -> &'a [Self] {
+                fn of_jittered<'a>(rows: &'a [Self], _: &'a mut [Self]) -> &'a [Self] {
                     rows
+                }
+
+                fn of_row(row: u64) -> Self {
+                    row as Self
                 }
             }
         )*
@@ -72,13 +83,17 @@ own_kernels!(u32, u64);
 
 impl CpuWord for PairWord {
     type Regular = u64;
-    type Shared = u64;
+    type Jittered = u64;
 
     fn of_regular<'a>(rows: &'a [u64], room: &'a mut [Self]) -> &'a [Self] {
         converted(rows, room, pair)
     }
 
-    fn of_shared<'a>(rows: &'a [u64], room: &'a mut [Self]) -> &'a [Self] {
+    fn of_jittered<'a>(rows: &'a [u64], room: &'a mut [Self]) -> &'a [Self] {
         converted(rows, room, pair)
+    }
+
+    fn of_row(row: u64) -> Self {
+        pair(row)
     }
 }

@@ -3,8 +3,15 @@
 use std::num::NonZero;
 
 use umbra4_core::{
-    AnyLight, accumulate::most_frames, gbuffer::ViewParams, glam::Mat4, kernel::weigh::PackedWeight, mesh::MeshParams,
+    AnyLight, PackedCaster,
+    accumulate::most_frames,
+    gbuffer::ViewParams,
+    glam::Mat4,
+    kernel::weigh::PackedWeight,
+    mesh::MeshParams,
+    plane_offset::MOST_OFFSET,
     snap::SnapParams,
+    texture::{MOST_TEXELS, TextureError, TextureSize},
 };
 use wgpu::{
     Buffer, BufferUsages, Device, IndexFormat, Texture, TextureDimension, TextureFormat, TextureSampleType,
@@ -111,13 +118,36 @@ pub(crate) fn count_of(field: &'static str, count: u64) -> Result<u32, GpuError>
 
 /// Whether indices can name all that a call is given, and all receivers, or none, face somewhere.
 pub(crate) fn counts_of(scene: &LatticeScene<'_>, receivers: LatticeReceivers<'_>) -> Result<(), GpuError> {
-    let LatticeReceivers { points, facings } = receivers;
+    let LatticeReceivers { points, facings, layers } = receivers;
     if !facings.is_empty() && facings.len() != points.len() {
         return Err(GpuError::FacingCount { facings: facings.len(), receivers: points.len() });
+    }
+    if !layers.is_empty() && layers.len() != points.len() {
+        return Err(GpuError::LayerCount { layers: layers.len(), receivers: points.len() });
     }
     let counts =
         [("vertices", scene.vertices.len()), ("triangles", scene.triangles.len()), ("receivers", points.len())];
     counts.into_iter().try_for_each(|(field, count)| count_of(field, count as u64).map(|_| ()))
+}
+
+/// Whether indices can name all of a caster, and its surface is packed as its kind and texture ask for.
+pub(crate) fn caster(caster: &PackedCaster<'_>) -> Result<(), GpuError> {
+    count_of("vertices", caster.vertices.len() as u64)?;
+    count_of("triangles", caster.triangles.len() as u64)?;
+    let TextureSize { width, height, .. } = caster.texture;
+    for (field, value) in [("width", width), ("height", height)] {
+        if value == 0 || value > MOST_TEXELS {
+            return Err(TextureError::Size { field, value }.into());
+        }
+    }
+    if caster.casting.offset > MOST_OFFSET {
+        return refuse("casting.offset", caster.casting.offset, "at most 2^24 lattice units");
+    }
+    let words = caster.layout().words(caster.kind);
+    match words.filter(|words| caster.surface.len() == *words as usize) {
+        Some(_) => Ok(()),
+        None => refuse("surface.len()", caster.surface.len(), "as many words as the kind and the texture ask for"),
+    }
 }
 
 fn mesh_of(device: &Device, snap: SnapParams, mesh: &Mesh<'_>, field: &str) -> Result<Option<CheckedMesh>, GpuError> {

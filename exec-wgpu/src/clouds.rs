@@ -207,7 +207,7 @@ fn fractions<C: AsRef<[IVec3]>>(lit: &[u32], cloud: &Cloud<C>) -> Vec<f32> {
 
 /// What receivers get of a cloud where no triangle lies between: all of it, but those that face away.
 fn unreached(tiles: &CloudTiles<'_>, words: usize, receivers: LatticeReceivers<'_>, asked: Asked<'_>) -> Results {
-    let LatticeReceivers { points, facings } = receivers;
+    let LatticeReceivers { points, facings, .. } = receivers;
     let mut results = Results::default();
     for (index, p) in points.iter().enumerate() {
         let facing = facings.get(index).copied().unwrap_or(Facing::UNKNOWN);

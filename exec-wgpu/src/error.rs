@@ -1,7 +1,7 @@
 //! What can go wrong on a device.
 
 use thiserror::Error;
-use umbra4_core::{LatticeError, LightError, PunctualLightError};
+use umbra4_core::{LatticeError, LightError, PunctualLightError, texture::TextureError};
 use umbra4_maps::{microquad::MicroquadError, stochastic::StochasticError};
 use wgpu::{Device, ErrorFilter};
 
@@ -146,6 +146,25 @@ pub enum GpuError {
         /// Receivers given.
         receivers: usize,
     },
+    /// Either all receivers are on layers of their own, or none is.
+    #[error("layers of {layers} receivers, for {receivers}")]
+    LayerCount {
+        /// Sets of layers given.
+        layers: usize,
+        /// Receivers given.
+        receivers: usize,
+    },
+    /// There is no such caster.
+    #[error("caster {place} of {casters}: there is none")]
+    NoCaster {
+        /// Its place.
+        place: usize,
+        /// Casters there are.
+        casters: usize,
+    },
+    /// The texture of a caster is refused.
+    #[error(transparent)]
+    Texture(#[from] TextureError),
     /// There are more elements than a 32-bit index can name.
     #[error("{count} {field} are too many: at most {most} can be indexed")]
     TooMany {

@@ -3,6 +3,7 @@
 //! The kernels are compiled from the same Rust source as the CPU's and lie in this crate as SPIR-V, so that stable Rust
 //! builds it. Masks, lit counts and visibility are the same bits as those of any other executor.
 
+mod casters;
 mod checks;
 mod clouds;
 mod device_kernel;
@@ -27,6 +28,7 @@ mod submit;
 mod timing;
 mod told;
 
+pub use casters::CasterIndex;
 pub use device_kernel::DeviceKernel;
 pub use error::{GpuError, guarded};
 pub use executor::WgpuExecutor;

@@ -52,7 +52,7 @@ pub(crate) fn faces_with(light: &AnyLight, receivers: &[IVec3]) -> u32 {
 
 /// Whether one of the receivers sees the light where nothing lies between.
 pub(crate) fn meet(light: &AnyLight, receivers: LatticeReceivers<'_>) -> bool {
-    let LatticeReceivers { points, facings } = receivers;
+    let LatticeReceivers { points, facings, .. } = receivers;
     let facing = |index: usize| facings.get(index).copied().unwrap_or(Facing::UNKNOWN);
     points.iter().enumerate().any(|(index, p)| facing(index).sees(light, *p))
 }

@@ -1,6 +1,6 @@
 //! What the executor is given.
 
-use umbra4_core::{Facing, glam::IVec3};
+use umbra4_core::{Facing, Layers, glam::IVec3};
 
 /// Triangles on the lattice, as an engine or another executor has snapped them.
 #[derive(Clone, Copy, Debug)]
@@ -18,22 +18,25 @@ pub struct LatticeReceivers<'a> {
     pub points: &'a [IVec3],
     /// Of all of them, or none: one that faces away from a light has a full mask, without a triangle being looked at.
     pub facings: &'a [Facing],
+    /// Of all of them, or none: casters that have no layer in common with one do not matter to it. A scene that is no caster is on no
+    /// layer, and shadows every receiver.
+    pub layers: &'a [Layers],
 }
 
 impl<'a> From<&'a [IVec3]> for LatticeReceivers<'a> {
     fn from(points: &'a [IVec3]) -> Self {
-        Self { points, facings: &[] }
+        Self { points, facings: &[], layers: &[] }
     }
 }
 
 impl<'a> From<&'a Vec<IVec3>> for LatticeReceivers<'a> {
     fn from(points: &'a Vec<IVec3>) -> Self {
-        Self { points, facings: &[] }
+        Self { points, facings: &[], layers: &[] }
     }
 }
 
 impl<'a, const N: usize> From<&'a [IVec3; N]> for LatticeReceivers<'a> {
     fn from(points: &'a [IVec3; N]) -> Self {
-        Self { points, facings: &[] }
+        Self { points, facings: &[], layers: &[] }
     }
 }

@@ -135,11 +135,11 @@ pub(crate) struct Buffers {
     pub(crate) planes: Option<Buffer>,
     triangle_keys: Buffer,
     triangle_order: Buffer,
-    occluders: Buffer,
-    nodes: Buffer,
+    pub(crate) occluders: Buffer,
+    pub(crate) nodes: Buffer,
     pub(crate) facings: Option<Buffer>,
-    receiver_keys: Buffer,
-    receiver_order: Buffer,
+    pub(crate) receiver_keys: Buffer,
+    pub(crate) receiver_order: Buffer,
     spare_order: Buffer,
     counters: Buffer,
 }
@@ -199,7 +199,7 @@ impl Buffers {
         self.masks.size() - size_of::<u32>() as u64
     }
 
-    fn of(&self, role: Role) -> Resource {
+    pub(crate) fn of(&self, role: Role) -> Resource {
         let buffer = match role {
             Role::Vertices => return Resource::first::<[i32; 3]>(&self.vertices, self.vertex_count.into()),
             Role::Triangles => &self.triangles,

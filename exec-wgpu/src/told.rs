@@ -10,7 +10,7 @@ use umbra4_core::{
     jitter::Pattern,
     kernel::{ParamsKind, dispatch::Dispatch},
     order::{BoxCurve, CodeFrame},
-    params::{CloudParams, JitteredParams, Params, PassParams, PunctualParams},
+    params::{CasterParams, CloudParams, JitteredParams, Params, PassParams, PunctualParams},
 };
 
 use crate::{
@@ -28,6 +28,8 @@ pub(crate) enum Told {
     },
     Punctual(PunctualParams),
     Cloud(CloudParams),
+    /// Of a caster before a light with an area.
+    Caster(Box<CasterParams>),
 }
 
 impl Told {
@@ -56,6 +58,7 @@ impl Told {
             Self::Area { params, .. } => params.with_pass(pass),
             Self::Punctual(params) => params.params.with_pass(pass),
             Self::Cloud(params) => params.params.with_pass(pass),
+            Self::Caster(params) => params.params.with_pass(pass),
         }
     }
 
@@ -71,6 +74,7 @@ impl Told {
         match (self, kernel.info().params) {
             (Self::Punctual(params), ParamsKind::PunctualLight) => recorder.add(*kernel, params.with_pass(pass), bound),
             (Self::Cloud(params), ParamsKind::Cloud) => recorder.add(*kernel, params.with_pass(pass), bound),
+            (Self::Caster(params), ParamsKind::Caster) => recorder.add(*kernel, params.with_pass(pass), bound),
             (Self::Area { pattern: Some(pattern), .. }, ParamsKind::JitteredLight) => {
                 recorder.add(*kernel, JitteredParams { params: plain, pattern: **pattern }, bound)
             }

@@ -13,7 +13,7 @@ use umbra4_core::{
 };
 
 /// See `umbra4_core::kernel::key_triangles`.
-#[spirv(compute(threads(64)))]
+#[spirv(compute(threads(64), entry_point_name = "key_caster_triangles"))]
 pub fn key_caster_triangles(
     #[spirv(global_invocation_id)] thread: UVec3,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &CasterParams,
@@ -27,7 +27,7 @@ pub fn key_caster_triangles(
 }
 
 /// See `umbra4_core::kernel::order_triangles`.
-#[spirv(compute(threads(64)))]
+#[spirv(compute(threads(64), entry_point_name = "order_caster_triangles"))]
 pub fn order_caster_triangles(
     #[spirv(global_invocation_id)] thread: UVec3,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &CasterParams,
@@ -43,7 +43,7 @@ pub fn order_caster_triangles(
 }
 
 /// See `umbra4_core::kernel::casters`.
-#[spirv(compute(threads(64)))]
+#[spirv(compute(threads(64), entry_point_name = "select_receivers"))]
 pub fn select_receivers(
     #[spirv(global_invocation_id)] thread: UVec3,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &CasterParams,
@@ -55,10 +55,10 @@ pub fn select_receivers(
 }
 
 macro_rules! resolve_cutout {
-    ($($name:ident: $word:ty, $params:ident => $samples:expr;)*) => {
+    ($($name:ident, $entry:tt: $word:ty, $params:ident => $samples:expr;)*) => {
         $(
             /// See `umbra4_core::kernel::casters`.
-            #[spirv(compute(threads(64)))]
+            #[spirv(compute(threads(64), entry_point_name = $entry))]
             pub fn $name(
                 #[spirv(global_invocation_id)] thread: UVec3,
                 #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] $params: &CasterParams,
@@ -80,17 +80,17 @@ macro_rules! resolve_cutout {
 }
 
 resolve_cutout! {
-    resolve_cutout_32: u32, params => &Regular;
-    resolve_cutout_64: PairWord, params => &Regular;
-    resolve_cutout_32_jittered: u32, params => &params.pattern;
-    resolve_cutout_64_jittered: PairWord, params => &params.pattern;
+    resolve_cutout_32, "resolve_cutout_32": u32, params => &Regular;
+    resolve_cutout_64, "resolve_cutout_64": PairWord, params => &Regular;
+    resolve_cutout_32_jittered, "resolve_cutout_32_jittered": u32, params => &params.pattern;
+    resolve_cutout_64_jittered, "resolve_cutout_64_jittered": PairWord, params => &params.pattern;
 }
 
 macro_rules! add_tint {
-    ($($name:ident: $params:ident => $samples:expr;)*) => {
+    ($($name:ident, $entry:tt: $params:ident => $samples:expr;)*) => {
         $(
             /// See `umbra4_core::kernel::casters`.
-            #[spirv(compute(threads(64)))]
+            #[spirv(compute(threads(64), entry_point_name = $entry))]
             pub fn $name(
                 #[spirv(global_invocation_id)] thread: UVec3,
                 #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] $params: &CasterParams,
@@ -110,12 +110,12 @@ macro_rules! add_tint {
 }
 
 add_tint! {
-    add_tint: params => &Regular;
-    add_tint_jittered: params => &params.pattern;
+    add_tint, "add_tint": params => &Regular;
+    add_tint_jittered, "add_tint_jittered": params => &params.pattern;
 }
 
 /// See `umbra4_core::kernel::weigh_tinted`.
-#[spirv(compute(threads(64)))]
+#[spirv(compute(threads(64), entry_point_name = "weigh_tinted"))]
 pub fn weigh_tinted(
     #[spirv(global_invocation_id)] thread: UVec3,
     #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &Params,

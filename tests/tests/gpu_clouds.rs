@@ -115,7 +115,7 @@ fn check_table(executor: &WgpuExecutor, case: &Case<'_>, rng: &mut Rng) -> Resul
     }
     let normals = facings::normals(rng, inputs, cloud.samples());
     let receivers = inputs.receivers.clone().facing(&normals).map_err(|error| error.to_string())?;
-    let given = LatticeReceivers { points, facings: receivers.facings() };
+    let given = LatticeReceivers { points, facings: receivers.facings(), layers: &[] };
     let (masks, _) = executor.cloud_masks_by_table(&lamp, &table, given).map_err(|error| error.to_string())?;
     let cpu = CpuExecutor::new().cloud_masks_by_table(&inputs.occluders, &table, &receivers);
     let same = masks == cpu.map_err(|error| error.to_string())?.0.words();
@@ -253,7 +253,7 @@ fn facing(executor: &WgpuExecutor, _: &str) -> Result<(), Failed> {
         property(name, 1, |Case { what, inputs, cloud, .. }| {
             let normals = facings::normals(&mut rng, inputs, cloud.samples());
             let receivers = inputs.receivers.clone().facing(&normals).expect("a normal each");
-            let given = LatticeReceivers { points: receivers.points(), facings: receivers.facings() };
+            let given = LatticeReceivers { points: receivers.points(), facings: receivers.facings(), layers: &[] };
             let nothing = (LatticeScene { vertices: &[], triangles: &[] }, Occluders::default());
             for (on_gpu, occluders) in [(scene(inputs), &inputs.occluders), (nothing.0, &nothing.1)] {
                 let (wanted, _) = CpuExecutor::new().cloud_masks(occluders, cloud, &receivers).expect("it fits");
@@ -269,7 +269,7 @@ fn facing(executor: &WgpuExecutor, _: &str) -> Result<(), Failed> {
         });
     }
     assert!(away > all / 50 && away < all, "{away} of {all} face away");
-    let few = LatticeReceivers { points: &[IVec3::ZERO; 2], facings: &[Facing::UNKNOWN] };
+    let few = LatticeReceivers { points: &[IVec3::ZERO; 2], facings: &[Facing::UNKNOWN], layers: &[] };
     let nothing = LatticeScene { vertices: &[], triangles: &[] };
     let refused = executor.cloud_lit_counts(&nothing, &Cloud::new([IVec3::ONE])?, few);
     assert!(matches!(refused, Err(GpuError::FacingCount { facings: 1, receivers: 2 })), "{refused:?}");

@@ -73,7 +73,7 @@ fn facing(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
         let inputs = generator(&mut rng, grid).inputs(EXPONENTS[round % EXPONENTS.len()]);
         let normals = facings::normals(&mut rng, &inputs, &facings::samples(&inputs));
         let receivers = inputs.receivers.clone().facing(&normals)?;
-        let given = LatticeReceivers { points: receivers.points(), facings: receivers.facings() };
+        let given = LatticeReceivers { points: receivers.points(), facings: receivers.facings(), layers: &[] };
         let (masks, _) = executor.masks::<u64>(&scene(&inputs), &inputs.light, given)?;
         let (wanted, _) = processor.masks::<u64>(&inputs.occluders, &inputs.light, &receivers)?;
         assert_eq!(masks, wanted.words(), "{name}, {rows}×{columns}");
@@ -96,7 +96,7 @@ fn refusals(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
     let other = Emission::new(8, 4, [[1; 3]; 32])?;
     let refused = executor.light(&scene(&inputs), &inputs.light, inputs.receivers.points(), &other);
     assert!(matches!(refused, Err(GpuError::EmissionSize { emission: [8, 4], light: [4, 8] })), "{refused:?}");
-    let few = LatticeReceivers { points: inputs.receivers.points(), facings: &[Facing::UNKNOWN] };
+    let few = LatticeReceivers { points: inputs.receivers.points(), facings: &[Facing::UNKNOWN], layers: &[] };
     let refused = executor.lit_counts(&scene(&inputs), &inputs.light, few);
     assert!(matches!(refused, Err(GpuError::FacingCount { facings: 1, .. })), "{refused:?}");
     // A light that reaches none: behind it all is dark, and no triangle is looked at.

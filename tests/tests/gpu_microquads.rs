@@ -50,7 +50,7 @@ impl Case<'_> {
     }
 
     fn given(&self) -> LatticeReceivers<'_> {
-        LatticeReceivers { points: self.receivers.points(), facings: self.receivers.facings() }
+        LatticeReceivers { points: self.receivers.points(), facings: self.receivers.facings(), layers: &[] }
     }
 
     /// Where the map looks, what it shows, and what goes with it.
@@ -344,7 +344,7 @@ fn refusals(executor: &WgpuExecutor, _: &str) -> Result<(), Failed> {
     let areas = options(64, MicroOccluders::Microtris, Footprint::Area);
     let masks = executor.microquad_masks::<u32>(&areas, &case.scene(), &light, case.given());
     assert_eq!(masks.map(|_| ()), Err(GpuError::Microquads(MicroquadError::NoMasks)));
-    let few = LatticeReceivers { points: &[IVec3::ZERO; 2], facings: &case.given().facings[..0] };
+    let few = LatticeReceivers { points: &[IVec3::ZERO; 2], facings: &case.given().facings[..0], layers: &[] };
     let few = LatticeReceivers { facings: &[umbra4_core::Facing::UNKNOWN], ..few };
     let refused = executor.microquad_visibility(&MicroquadOptions::default(), &case.scene(), &light, few);
     assert_eq!(refused.map(|_| ()), Err(GpuError::FacingCount { facings: 1, receivers: 2 }));

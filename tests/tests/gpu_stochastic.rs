@@ -25,7 +25,7 @@ const LOADINGS: [(&str, Loading); 2] = [("checked", Loading::Checked), ("passthr
 type Check = fn(&WgpuExecutor) -> Result<(), Failed>;
 
 fn receivers(inputs: &Inputs) -> LatticeReceivers<'_> {
-    LatticeReceivers { points: inputs.receivers.points(), facings: inputs.receivers.facings() }
+    LatticeReceivers { points: inputs.receivers.points(), facings: inputs.receivers.facings(), layers: &[] }
 }
 
 /// What the device says, and how it agrees with the processor.

@@ -1,6 +1,12 @@
 //! What a scene lacks is not run.
 
-use umbra4_core::{IndexKind, LatticeLight, Plan, SceneFacts, glam::IVec3, stage::Stage};
+use std::convert::Infallible;
+
+use umbra4_core::{
+    CasterFacts, CasterWork, Executor, IndexKind, LatticeLight, Layers, Pass, Plan, SceneFacts, Work,
+    glam::IVec3,
+    stage::{Stage, TABLE},
+};
 use umbra4_cpu::{CpuExecutor, GridOptions, Index};
 use umbra4_tests::{
     rng::Rng,
@@ -75,4 +81,81 @@ fn plans_say_why() {
     assert!(Plan::new(table).to_string().contains("+ resolve_cloud    receivers to shadow, by a table of planes\n"));
     assert_eq!(reason(SceneFacts { triangles: 0, ..table }, Stage::ResolveCloud), (false, "no triangles"));
     assert_eq!(reason(SceneFacts { arranged: true, ..facts }, Stage::OrderTriangles), (false, "the mesh is arranged"));
+}
+
+/// What a plan hands out, in order.
+#[derive(Default)]
+struct Passes(Vec<Pass>);
+
+impl Executor for Passes {
+    type Error = Infallible;
+
+    fn dispatch(&mut self, pass: &Pass) -> Result<(), Infallible> {
+        self.0.push(*pass);
+        Ok(())
+    }
+}
+
+fn passes(plan: &Plan) -> Vec<Pass> {
+    let mut passes = Passes::default();
+    let Ok(()) = plan.run(&mut passes);
+    passes.0
+}
+
+#[test]
+fn casters_bring_their_own_stages_and_no_others() {
+    let special = [Stage::SelectReceivers, Stage::ResolveCutout, Stage::AddTint];
+    let whole = SceneFacts { triangles: 1000, receivers: 100, visibility: true, block: 64, ..SceneFacts::default() };
+    assert!(passes(&Plan::new(whole)).iter().all(|pass| !special.contains(&pass.stage)));
+    for bits in 0..32_u32 {
+        let has = |bit: u32| bits >> bit & 1;
+        let casters = CasterFacts { plain: has(0), cutout: has(1), tinted: has(2), layered: has(3) == 1 };
+        let facts = SceneFacts { work: Work::Casters(casters), visibility: has(4) == 1, ..whole };
+        let plan = Plan::new(facts);
+        let found = passes(&plan);
+        let runs = |stage: Stage| found.iter().any(|pass| pass.stage == stage);
+        for (stage, wanted) in [
+            (Stage::Resolve, casters.plain > 0),
+            (Stage::ResolveCutout, casters.cutout > 0),
+            (Stage::AddTint, casters.tinted > 0),
+            (Stage::SelectReceivers, casters.layered),
+            (Stage::Reduce, facts.visibility),
+            (Stage::SettleReceivers, false),
+            (Stage::KeyTriangles, false),
+        ] {
+            assert_eq!(runs(stage), wanted, "{stage:?}, {facts:?}");
+        }
+        for info in &TABLE {
+            assert_eq!(plan.reason(info.stage).0, runs(info.stage), "{:?}, {facts:?}\n{plan}", info.stage);
+        }
+        // Two blocks, each of which ends with the same stage.
+        let last = plan.last_of_block().expect("casters have blocks");
+        assert_eq!(found.iter().filter(|pass| pass.stage == last).count(), 2, "{facts:?}");
+        assert_eq!(found.last().map(|pass| pass.stage), Some(last), "{facts:?}");
+    }
+    let index = Plan::new(SceneFacts { work: Work::Index, ..whole });
+    let found: Vec<Stage> = passes(&index).iter().map(|pass| pass.stage).collect();
+    assert_eq!(found, [Stage::KeyTriangles, Stage::OrderTriangles, Stage::BuildLevel, Stage::BuildLevel]);
+    for info in &TABLE {
+        assert_eq!(index.reason(info.stage).0, found.contains(&info.stage), "{:?}", info.stage);
+    }
+}
+
+#[test]
+fn what_does_nothing_to_light_is_no_caster() {
+    let facts =
+        |casters: &[(CasterWork, Layers)], light, layered| CasterFacts::of(casters.iter().copied(), light, layered);
+    let clear = (CasterWork::Nothing, Layers::NONE);
+    assert_eq!(facts(&[clear], true, true), CasterFacts::default());
+    // A pane matters where light is asked for.
+    let pane = (CasterWork::Tinted, Layers::ALL);
+    assert_eq!(facts(&[pane, clear], false, true), CasterFacts::default());
+    assert_eq!(facts(&[pane, clear], true, false), CasterFacts { tinted: 1, ..CasterFacts::default() });
+    let (leaf, wall) = ((CasterWork::Cutout, Layers::from_bits(1)), (CasterWork::Plain, Layers::ALL));
+    let both = CasterFacts { plain: 1, cutout: 1, ..CasterFacts::default() };
+    // Receivers on all layers are met by whatever is on one.
+    assert_eq!(facts(&[leaf, wall], false, false), both);
+    assert_eq!(facts(&[leaf, wall], false, true), CasterFacts { layered: true, ..both });
+    let hidden = (CasterWork::Plain, Layers::NONE);
+    assert!(facts(&[hidden], false, false).layered);
 }

@@ -10,6 +10,7 @@ use umbra4_core::{
 };
 use umbra4_cpu::{CpuExecutor, Occluders, Receivers, Sides, Source, Statistics};
 
+use super::casters::{CasterCase, caster_cases};
 use crate::{
     compare::CompareError,
     contender::ContenderError,
@@ -33,6 +34,8 @@ pub(super) enum Effect {
     Cloud(Cloud<Vec<IVec3>>),
     /// The same by the paper's table.
     Table(Cloud<Vec<IVec3>>, TableSize),
+    /// Casters, for receivers that may be on layers.
+    Casters(CasterCase),
 }
 
 /// One line of the table.
@@ -78,7 +81,9 @@ pub(super) fn cases(scene: &Scene, problem: &Problem<'_>, occluders: &Occluders)
     let sphere = |samples| sphere(scene, problem, samples);
     let case = |name, effect| Case { name, effect };
     let plain = |light| Effect::Light(light, Sides::Front, None);
-    Ok(vec![
+    let casters = caster_cases(problem, occluders)?;
+    let casters = casters.into_iter().map(|(name, casters)| case(name, Effect::Casters(casters)));
+    let lights = vec![
         case("a rectangle", plain(light)),
         case("one that reaches nobody", plain(away)),
         case("jittered samples", plain(jittered)),
@@ -93,7 +98,8 @@ pub(super) fn cases(scene: &Scene, problem: &Problem<'_>, occluders: &Occluders)
         case("… by a table of 64²×64 planes", Effect::Table(sphere(256)?, TABLE)),
         case("a sphere, 1024 samples", Effect::Cloud(sphere(1024)?)),
         case("… by a table of 64²×64 planes", Effect::Table(sphere(1024)?, TABLE)),
-    ])
+    ];
+    Ok(lights.into_iter().chain(casters).collect())
 }
 
 /// A ball in the light's place, as wide as the light.
@@ -123,6 +129,7 @@ impl Effect {
     ) -> Result<Statistics, ContenderError> {
         let (occluders, source) = match self {
             Self::Table(cloud, size) => return by_table(executor, occluders, problem, cloud, *size),
+            Self::Casters(casters) => return casters.run(executor, problem),
             Self::Cloud(cloud) => {
                 let cloud = Cloud::new(cloud.samples()).map_err(VolumeLightError::from)?;
                 (occluders, cloud.into())

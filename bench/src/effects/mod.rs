@@ -2,6 +2,7 @@
 
 mod args;
 mod case;
+mod casters;
 mod measure;
 mod table;
 mod table_error;

@@ -11,6 +11,8 @@ extern crate std;
 
 // The check of the check is about one function only.
 #[cfg(not(feature = "with-panic"))]
+mod casters;
+#[cfg(not(feature = "with-panic"))]
 mod gpu;
 #[cfg(not(feature = "with-panic"))]
 mod host;

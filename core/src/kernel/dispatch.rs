@@ -7,7 +7,7 @@ use crate::{
         sort::{BLOCK, CODE_BITS, DIGIT_BITS, DIGITS, level_above, runs},
     },
     params::PassParams,
-    plan::{IndexKind, Pass, Plan},
+    plan::{IndexKind, Pass, Plan, Work},
     proj4::NODE,
     stage::Stage,
 };
@@ -160,6 +160,7 @@ pub fn dispatches<E>(
         Stage::KeyTriangles => {
             let keyed = [Role::Vertices, Role::Triangles, Role::TriangleKeys, Role::TriangleOrder];
             match kind {
+                Kind::Area if facts.work == Work::Index => one(Kernel::KeyCasterTriangles, by_id, &keyed),
                 Kind::Area => one(Kernel::KeyTriangles, by_id, &keyed),
                 Kind::Punctual => one(Kernel::KeyPunctualTriangles, by_id, &keyed),
                 Kind::Cloud => {
@@ -176,6 +177,7 @@ pub fn dispatches<E>(
             let [occluders, nodes] = [Role::Occluders, Role::Nodes];
             let keyed = [vertices, triangles, Role::TriangleKeys, order, occluders, nodes];
             match kind {
+                Kind::Area if facts.work == Work::Index => one(Kernel::OrderCasterTriangles, pass, &keyed),
                 Kind::Area => one(Kernel::OrderTriangles, pass, &keyed),
                 Kind::Punctual => one(Kernel::OrderPunctualTriangles, pass, &keyed),
                 Kind::Cloud => one(Kernel::OrderCloudTriangles, pass, &[vertices, triangles, order, occluders, nodes]),
@@ -212,19 +214,16 @@ pub fn dispatches<E>(
                 all if layout.counted => &all[..],
                 [but_counts @ .., _] => but_counts,
             };
-            // A slice of the triangles after the other: those under each node of one level.
-            let levels = plan.levels();
-            let level = slice_level(levels, layout.slice);
             let pass = PassParams {
                 count: block,
                 first: pass.first,
                 stride: layout.stride,
-                level: level as u32,
                 rounds: 2,
                 ..PassParams::default()
             };
-            (0..levels.range(level).len().max(1) as u32)
-                .try_for_each(|base| one(layout.resolve, PassParams { base, elements: base.min(1), ..pass }, roles))
+            slices(plan.levels(), layout.slice).try_for_each(|(level, base)| {
+                one(layout.resolve, PassParams { level, base, elements: base.min(1), ..pass }, roles)
+            })
         }
         Stage::Reduce => {
             let pass = PassParams { stride: layout.stride, ..by_id };
@@ -259,6 +258,12 @@ fn level(levels: &Levels, level: usize) -> PassParams {
         elements: below.len() as u32,
         ..PassParams::default()
     }
+}
+
+/// One slice of the triangles after the other: those under each node of one level, by level and place; at least one.
+pub fn slices(levels: &Levels, slice: u32) -> impl Iterator<Item = (u32, u32)> + use<> {
+    let level = slice_level(levels, slice);
+    (0..levels.range(level).len().max(1) as u32).map(move |base| (level as u32, base))
 }
 
 /// The highest level whose nodes stand for no more than `slice` triangles.

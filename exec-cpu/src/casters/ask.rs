@@ -1,10 +1,9 @@
 //! The ways to ask for masks, visibility and light by casters.
 
 use umbra4_core::{
-    LatticeLight, MaskWord, Plan, SceneFacts, Work,
+    LatticeLight, Plan, SceneFacts, Work,
     emission::{Emission, Weight},
     jitter::{Pattern, Regular},
-    light::MAX_SAMPLES,
     stage::reduce,
 };
 
@@ -93,12 +92,11 @@ impl CpuExecutor {
         let mut words = bytemuck::allocation::try_zeroed_vec::<W>(count).map_err(|()| too_many)?;
         let out = Scatter::new(&mut words);
         let plan = self.caster_plan(index, receivers, false, false);
-        let statistics = self.run_casters::<W>(index, receivers, &plan, |answer| {
+        let statistics = self.run_casters(index, receivers, &plan, |answer| {
             if !answer.lit {
-                let mut room = [W::EMPTY; MAX_SAMPLES as usize];
-                let rows_of = W::of_shared(answer.rows, &mut room);
                 // SAFETY: every receiver is visited once, and its part is its own.
-                unsafe { out.part(answer.receiver * rows, rows) }.copy_from_slice(rows_of);
+                let own = unsafe { out.part(answer.receiver * rows, rows) };
+                own.iter_mut().zip(answer.rows).for_each(|(word, row)| *word = W::of_row(*row));
             }
         });
         Ok((Masks { rows, words }, statistics))
@@ -159,28 +157,26 @@ impl CpuExecutor {
         let plan = self.caster_plan(index, receivers, true, light);
         // SAFETY: every receiver is visited once, and its element is its own.
         let place = |receiver: usize, value: R::Value| unsafe { out.part(receiver, 1) }.fill(value);
-        let statistics = if index.light().columns <= u32::BITS {
-            self.run_casters::<u32>(index, receivers, &plan, |answer| place(answer.receiver, reduction.of(&answer)))
-        } else {
-            self.run_casters::<u64>(index, receivers, &plan, |answer| place(answer.receiver, reduction.of(&answer)))
-        };
+        let statistics = self.run_casters(index, receivers, &plan, |answer| {
+            place(answer.receiver, reduction.of(&answer));
+        });
         (values, statistics)
     }
 
-    fn run_casters<W: CpuWord>(
+    fn run_casters(
         &self,
         index: &CasterIndex,
         receivers: &Receivers,
         plan: &Plan,
-        visit: impl Fn(CasterAnswer<'_, W::Shared>) + Sync,
+        visit: impl Fn(CasterAnswer<'_>) + Sync,
     ) -> Statistics {
         let light = index.light();
         self.install(|| {
             if light.jitter.is_some() {
                 let samples = Pattern::of(light);
-                CasterRun::<W::Shared, _, _>::new(index, self.isa, &samples, receivers, &visit).finish(plan)
+                CasterRun::new(index, self.isa, &samples, receivers, &visit).finish(plan)
             } else {
-                CasterRun::<W::Shared, _, _>::new(index, self.isa, &Regular, receivers, &visit).finish(plan)
+                CasterRun::new(index, self.isa, &Regular, receivers, &visit).finish(plan)
             }
         })
     }
@@ -190,7 +186,7 @@ impl CpuExecutor {
 trait CasterReduction: Sync {
     type Value: Copy + Default + Send;
 
-    fn of<W: MaskWord>(&self, answer: &CasterAnswer<'_, W>) -> Self::Value;
+    fn of(&self, answer: &CasterAnswer<'_>) -> Self::Value;
 }
 
 /// Lit samples.
@@ -201,7 +197,7 @@ struct CasterLitCount {
 impl CasterReduction for CasterLitCount {
     type Value = u32;
 
-    fn of<W: MaskWord>(&self, answer: &CasterAnswer<'_, W>) -> u32 {
+    fn of(&self, answer: &CasterAnswer<'_>) -> u32 {
         if answer.lit { answer.rows.len() as u32 * self.columns } else { reduce::lit_count(answer.rows, self.columns) }
     }
 }
@@ -212,7 +208,7 @@ struct Through<'a, E>(&'a Emission<E>);
 impl<E: AsRef<[Weight]> + Sync> CasterReduction for Through<'_, E> {
     type Value = [u32; 3];
 
-    fn of<W: MaskWord>(&self, answer: &CasterAnswer<'_, W>) -> [u32; 3] {
+    fn of(&self, answer: &CasterAnswer<'_>) -> [u32; 3] {
         match (answer.lit, answer.depths.is_empty()) {
             (true, true) => self.0.total(),
             (false, true) => self.0.lit(answer.rows),

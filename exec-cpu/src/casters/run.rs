@@ -11,7 +11,7 @@ use umbra4_core::{
     stage::{Stage, key_receivers::key_receivers, resolve::Group},
     tint::Depth,
 };
-use umbra4_cpu_kernels::{CasterKernels, Detected};
+use umbra4_cpu_kernels::{CasterKernels, Detected, Kernels};
 
 use crate::{CasterIndex, Receivers, Statistics, casters::index::IndexedCaster, order::ordered};
 
@@ -19,9 +19,9 @@ use crate::{CasterIndex, Receivers, Statistics, casters::index::IndexedCaster, o
 const GROUPS_A_JOB: usize = 16;
 
 /// One receiver's result.
-pub(crate) struct CasterAnswer<'a, W> {
+pub(crate) struct CasterAnswer<'a> {
     pub(crate) receiver: usize,
-    pub(crate) rows: &'a [W],
+    pub(crate) rows: &'a [u64],
     /// What panes put before its samples; nothing where no pane was met.
     pub(crate) depths: &'a [Depth],
     /// No bit is set.
@@ -29,8 +29,8 @@ pub(crate) struct CasterAnswer<'a, W> {
 }
 
 /// Sixteen receivers, their masks, and what panes put before their samples.
-struct Shadowed<W> {
-    group: Group<W>,
+struct Shadowed {
+    group: Group<u64>,
     /// A depth a sample, lane by lane; empty where no light is asked for.
     depths: Vec<Depth>,
     /// Bit l: lane l's depths are not all clear.
@@ -38,7 +38,7 @@ struct Shadowed<W> {
 }
 
 /// An executor for casters and one set of receivers. Masks go to `visit` as soon as they are done.
-pub(crate) struct CasterRun<'a, W, S, V> {
+pub(crate) struct CasterRun<'a, S, V> {
     index: &'a CasterIndex,
     isa: Detected,
     samples: &'a S,
@@ -47,7 +47,7 @@ pub(crate) struct CasterRun<'a, W, S, V> {
     keys: Vec<Option<Keys>>,
     order: Vec<Entry>,
     /// Of the block, in order.
-    groups: Vec<Shadowed<W>>,
+    groups: Vec<Shadowed>,
     /// Groups that hold receivers.
     filled: usize,
     /// Caster by caster, the lanes of every group that it matters to; empty where all do.
@@ -57,7 +57,10 @@ pub(crate) struct CasterRun<'a, W, S, V> {
     pub(crate) statistics: Statistics,
 }
 
-impl<'a, W: CasterKernels<S>, S: Sync, V: Fn(CasterAnswer<'_, W>) + Sync> CasterRun<'a, W, S, V> {
+impl<'a, S: Sync, V: Fn(CasterAnswer<'_>) + Sync> CasterRun<'a, S, V>
+where
+    u64: CasterKernels<S>,
+{
     pub(crate) fn new(
         index: &'a CasterIndex,
         isa: Detected,
@@ -141,10 +144,10 @@ impl<'a, W: CasterKernels<S>, S: Sync, V: Fn(CasterAnswer<'_, W>) + Sync> Caster
     }
 
     /// Has every caster of a kind work on every group.
-    fn shadow(&mut self, kind: CasterWork, work: impl Fn(&IndexedCaster, &mut Shadowed<W>, &mut Group<W>) + Sync) {
+    fn shadow(&mut self, kind: CasterWork, work: impl Fn(&IndexedCaster, &mut Shadowed, &mut Group<u64>) + Sync) {
         let (casters, selected, rows) = (&self.index.casters, &self.selected, self.index.grid.light.rows);
         let groups = self.groups[..self.filled].par_iter_mut().enumerate().with_min_len(GROUPS_A_JOB);
-        let on_group = |room: &mut Box<Group<W>>, (place, shadowed): (usize, &mut Shadowed<W>)| {
+        let on_group = |room: &mut Box<Group<u64>>, (place, shadowed): (usize, &mut Shadowed)| {
             for (number, caster) in casters.iter().enumerate().filter(|(_, caster)| caster.work() == kind) {
                 let wanted = selected.get(number).and_then(|lanes| lanes.get(place)).copied().unwrap_or(u32::MAX);
                 let others = shadowed.group.active & !wanted;
@@ -161,14 +164,14 @@ impl<'a, W: CasterKernels<S>, S: Sync, V: Fn(CasterAnswer<'_, W>) + Sync> Caster
     fn resolve(&mut self) {
         let (grid, isa, samples) = (&self.index.grid, self.isa, self.samples);
         self.shadow(CasterWork::Plain, |caster, shadowed, _| {
-            W::resolve(isa, Precision::Exact, &caster.occlusion(grid), samples, &mut shadowed.group);
+            u64::resolve(isa, Precision::Exact, &caster.occlusion(grid), samples, &mut shadowed.group);
         });
     }
 
     fn resolve_cutout(&mut self) {
         let (grid, isa, samples) = (&self.index.grid, self.isa, self.samples);
         self.shadow(CasterWork::Cutout, |caster, shadowed, room| {
-            W::resolve_cutout(isa, &caster.cutout(grid), samples, &mut shadowed.group, room);
+            u64::resolve_cutout(isa, &caster.cutout(grid), samples, &mut shadowed.group, room);
         });
     }
 
@@ -178,7 +181,7 @@ impl<'a, W: CasterKernels<S>, S: Sync, V: Fn(CasterAnswer<'_, W>) + Sync> Caster
         self.shadow(CasterWork::Tinted, |caster, shadowed, room| {
             let Shadowed { group, depths, tinted } = shadowed;
             depths.resize(count, Depth::CLEAR);
-            W::add_tint(isa, &caster.tint(grid), samples, group, room, depths, tinted);
+            u64::add_tint(isa, &caster.tint(grid), samples, group, room, depths, tinted);
         });
     }
 
@@ -204,7 +207,10 @@ impl<'a, W: CasterKernels<S>, S: Sync, V: Fn(CasterAnswer<'_, W>) + Sync> Caster
     }
 }
 
-impl<W: CasterKernels<S>, S: Sync, V: Fn(CasterAnswer<'_, W>) + Sync> CasterRun<'_, W, S, V> {
+impl<S: Sync, V: Fn(CasterAnswer<'_>) + Sync> CasterRun<'_, S, V>
+where
+    u64: CasterKernels<S>,
+{
     /// Runs the plan.
     pub(crate) fn finish(mut self, plan: &Plan) -> Statistics {
         let Ok(()) = plan.run(&mut self);
@@ -220,7 +226,10 @@ impl<W: CasterKernels<S>, S: Sync, V: Fn(CasterAnswer<'_, W>) + Sync> CasterRun<
     }
 }
 
-impl<W: CasterKernels<S>, S: Sync, V: Fn(CasterAnswer<'_, W>) + Sync> Executor for CasterRun<'_, W, S, V> {
+impl<S: Sync, V: Fn(CasterAnswer<'_>) + Sync> Executor for CasterRun<'_, S, V>
+where
+    u64: CasterKernels<S>,
+{
     type Error = Infallible;
 
     fn dispatch(&mut self, pass: &Pass) -> Result<(), Infallible> {

@@ -310,7 +310,7 @@ impl WgpuExecutor {
         stages: &mut Vec<(&'static str, f64)>,
     ) -> Result<Option<Vec<u32>>, GpuError> {
         let Shadows { options, light, receivers, params, .. } = shadows;
-        let LatticeReceivers { points, facings } = *receivers;
+        let LatticeReceivers { points, facings, .. } = *receivers;
         let (device, queue) = (&self.gpu.device, &self.gpu.queue);
         let bits = match ask {
             Ask::Masks { bits, .. } => bits,

@@ -213,7 +213,7 @@ impl Buffers {
 
 /// Where no receiver is within reach.
 fn nothing_mapped(light: &LatticeLight, receivers: LatticeReceivers<'_>) -> StochasticShadows {
-    let LatticeReceivers { points, facings } = receivers;
+    let LatticeReceivers { points, facings, .. } = receivers;
     let frame = AreaFrame::new(light);
     let facing = |index: usize| facings.get(index).copied().unwrap_or(Facing::UNKNOWN);
     let visibility = points.iter().enumerate().map(|(index, p)| unmapped(light, &frame, *p, facing(index))).collect();
