@@ -14,6 +14,7 @@
 //! | [`caster_suite`] | what executors have to pass, of casters |
 //! | [`hard_cases`] | the named cases, each with what must hold beyond equality with the oracle |
 //! | [`hard_shadows`], [`weights`], [`clouds`] | lights without extent; emissions; clouds of samples |
+//! | [`irradiance`] | what masks come to at Lambertian receivers, in f64 |
 //! | [`facings`] | receivers that face some way |
 //! | [`spheres`] | a scene and options for the approximate family |
 //! | [`gpu`], [`device`] | the executor on a GPU, for the suite; an engine's buffers and textures |
@@ -38,6 +39,7 @@ pub mod gpu;
 pub mod grids;
 pub mod hard_cases;
 pub mod hard_shadows;
+pub mod irradiance;
 pub mod ledger;
 pub mod meshes;
 pub mod oracle;
