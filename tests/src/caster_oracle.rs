@@ -210,7 +210,7 @@ impl<'a> Prepared<'a> {
     ) {
         for (t, (&triangle, &closed)) in caster.triangles.iter().zip(closed).enumerate() {
             let cone = Cone::new(p, triangle);
-            let offset = hit::offset_side(&self.samples, triangle).filter(|_| caster.offset != 0);
+            let offset = hit::offset_side(self.light, triangle).filter(|_| caster.offset != 0);
             if cone.misses(self.light, offset) {
                 continue;
             }

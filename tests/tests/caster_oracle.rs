@@ -399,6 +399,45 @@ fn a_plane_moved_towards_the_light_takes_what_it_passes() {
     }
 }
 
+/// On which side of a plane a light lies does not change with the pattern of its jitter.
+#[test]
+fn planes_through_the_light_are_not_moved_whatever_the_jitter() {
+    let mut rng = Rng::named(0, "sides of jittered lights");
+    let (mut sides, mut through, mut samples_aside) = (0, 0, 0);
+    for _ in 0..4000 {
+        let regular = lamp(1 + rng.below(3) as u32, 1 + rng.below(3) as u32);
+        let jittered = |number: usize| LatticeLight { jitter: Jitter::pattern(number as u32), ..regular };
+        let triangle = [
+            regular.origin + IVec3::new(rng.around(3 * STEP), rng.around(20), rng.around(3 * STEP)),
+            IVec3::new(rng.around(9000), HEIGHT / 2, rng.around(9000)),
+            IVec3::new(rng.around(9000), HEIGHT / 2, rng.around(9000)),
+        ];
+        let side = hit::offset_side(&jittered(0), triangle);
+        assert_eq!(hit::offset_side(&jittered(1 + rng.below(1000)), triangle), side);
+        // Every place, one by one.
+        let mut places = vec![];
+        for row in 0..32 * regular.rows as i32 {
+            for column in 0..32 * regular.columns as i32 {
+                places.push(regular.origin + regular.step_v / 32 * row + regular.step_u / 32 * column);
+            }
+        }
+        let [a, b, c] = triangle.map(|corner| corner.as_dvec3());
+        let of_place = |place: &IVec3| (b - a).cross(c - a).dot(place.as_dvec3() - a).total_cmp(&0.0) as i128;
+        let first = of_place(&places[0]);
+        let expected = (first != 0 && places.iter().all(|place| of_place(place) == first)).then_some(first);
+        assert_eq!(side, expected, "{triangle:?}");
+        sides += usize::from(side.is_some());
+        through += usize::from(side.is_none());
+        let first = samples(&jittered(0)).iter().map(of_place).collect::<std::collections::BTreeSet<_>>();
+        samples_aside += usize::from(side.is_none() && first.len() == 1);
+        // Regular samples are their own places.
+        let all: std::collections::BTreeSet<_> = samples(&regular).iter().map(of_place).collect();
+        let expected = all.first().copied().filter(|side| all.len() == 1 && *side != 0);
+        assert_eq!(hit::offset_side(&regular, triangle), expected, "{triangle:?}");
+    }
+    assert!(sides > 500 && through > 500 && samples_aside > 50, "{sides}, {through}, {samples_aside}");
+}
+
 /// By how much a plane is moved is counted along the axis nearest to its normal.
 #[test]
 fn slanted_planes_are_moved_along_an_axis() {
@@ -517,8 +556,10 @@ fn big_integers_agree() {
                 cone.plain(sample).is_some_and(|weights| !weights.contains(&0) || cone.sees_moved(sample, steps));
             assert_eq!(seen, short, "{name}: {p} {sample} {triangle:?}");
             through += u64::from(seen);
-            if let Some(side) = hit::offset_side(&all, triangle) {
-                // Planes that are not moved are the plain rule's.
+            if let Some(side) = hit::offset_side(&scene.light, triangle) {
+                // All samples lie there; and planes that are not moved are the plain rule's.
+                let towards = |sample: &IVec3| hit::is_behind(triangle, *sample);
+                assert!(all.iter().all(|sample| towards(sample) == (side < 0)), "{name}: {triangle:?}");
                 assert_eq!(cone.with_plane_moved(sample, side, 0), cone.plain(sample), "{name}");
                 let offset = rng.pick(&[1, 100, 1 << 20]);
                 let got = cone.with_plane_moved(sample, side, offset).is_some();

@@ -5,7 +5,7 @@
 //! `i128`: differences of coordinates stay below 2^30, determinants below 6·2^90.
 
 use dashu_int::IBig;
-use umbra4_core::{LatticeLight, glam::IVec3};
+use umbra4_core::{LatticeLight, glam::IVec3, jitter::PLACES};
 
 use crate::bigint::{Point, det3, point, sign};
 
@@ -35,11 +35,20 @@ pub fn is_behind(triangle: [IVec3; 3], q: IVec3) -> bool {
     dot(&normal(triangle), &difference(q, triangle[0])) < 0
 }
 
-/// The side of a triangle's plane that all samples lie on, strictly: 1 where its normal points to them, −1 where it points away. None
+/// The side of a triangle's plane that the light lies on, strictly: 1 where its normal points to it, −1 where it points away. None
 /// where there is no such side: planes are not moved then.
-pub fn offset_side(samples: &[IVec3], triangle: [IVec3; 3]) -> Option<i128> {
-    let normal = normal(triangle);
-    let mut sides = samples.iter().map(|&sample| dot(&normal, &difference(sample, triangle[0])).signum());
+///
+/// The light is all places that samples may take, whatever the pattern of jitter, so that patterns that follow on one another agree on
+/// it. What is linear takes its extremes at the corners.
+pub fn offset_side(light: &LatticeLight, triangle: [IVec3; 3]) -> Option<i128> {
+    // Places to a step; without jitter the samples are the places.
+    let places = if light.jitter.is_some() { i128::from(PLACES) } else { 1 };
+    let last = |count: u32| i128::from(count) * places - 1;
+    let (normal, from) = (normal(triangle), difference(light.origin, triangle[0]));
+    let along = [light.step_u, light.step_v].map(|step| dot(&normal, &difference(step, IVec3::ZERO)));
+    let mut sides = [(0, 0), (0, last(light.columns)), (last(light.rows), 0), (last(light.rows), last(light.columns))]
+        .map(|(row, column)| (places * dot(&normal, &from) + row * along[1] + column * along[0]).signum())
+        .into_iter();
     let first = sides.next().filter(|&side| side != 0)?;
     sides.all(|side| side == first).then_some(first)
 }
