@@ -17,6 +17,8 @@
 use glam::IVec3;
 use thiserror::Error;
 
+use crate::order::sort_by;
+
 /// What lies on one side of a triangle, and what it is sorted by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Side {
@@ -101,7 +103,7 @@ pub fn find(
     merge(vertices, order.get_mut(..vertices.len()).unwrap_or_default(), same);
     let count = list_sides(triangles, same, sides);
     let sides = sides.get_mut(..count).unwrap_or_default();
-    sides.sort_unstable();
+    sort_by(sides, &|a, b| a < b);
 
     closed.fill(true);
     for (triangle, part) in parts.iter_mut().enumerate() {
@@ -177,7 +179,7 @@ fn merge(vertices: &[IVec3], order: &mut [u32], same: &mut [u32]) {
     for (vertex, entry) in order.iter_mut().enumerate() {
         *entry = vertex as u32;
     }
-    order.sort_unstable_by_key(|vertex| (place(*vertex), *vertex));
+    sort_by(order, &|a, b| (place(*a), *a) < (place(*b), *b));
     for in_place in order.chunk_by(|a, b| place(*a) == place(*b)) {
         for vertex in in_place {
             if let (Some(same), Some(lowest)) = (same.get_mut(*vertex as usize), in_place.first()) {

@@ -23,30 +23,35 @@ impl Entry {
     pub const ABSENT: u32 = u32::MAX;
 }
 
-/// Sorts in place, on one thread. A heap sort: the library's own sorts can panic, and nothing here may.
+/// Sorts in place, on one thread.
 pub fn sort(entries: &mut [Entry]) {
+    sort_by(entries, &|a, b| a < b);
+}
+
+/// Sorts in place, on one thread. A heap sort: the library's own sorts can panic, and nothing here may.
+pub(crate) fn sort_by<T: Copy>(entries: &mut [T], is_less: &impl Fn(&T, &T) -> bool) {
     let mut root = entries.len() / 2;
     while root > 0 {
         root -= 1;
-        sift(entries, root);
+        sift(entries, root, is_less);
     }
     let mut rest = entries;
     while let [first, .., last] = rest {
         core::mem::swap(first, last);
         let Some((_, shorter)) = rest.split_last_mut() else { return };
         rest = shorter;
-        sift(rest, 0);
+        sift(rest, 0, is_less);
     }
 }
 
 /// Lets the entry at `place` sink in a heap whose largest entry comes first.
-fn sift(heap: &mut [Entry], mut place: usize) {
+fn sift<T: Copy>(heap: &mut [T], mut place: usize, is_less: &impl Fn(&T, &T) -> bool) {
     while let Some(&left) = heap.get(2 * place + 1) {
         let (child, larger) = match heap.get(2 * place + 2) {
-            Some(&right) if right > left => (2 * place + 2, right),
+            Some(&right) if is_less(&left, &right) => (2 * place + 2, right),
             _ => (2 * place + 1, left),
         };
-        let Some(entry) = heap.get_mut(place).filter(|entry| **entry < larger) else { return };
+        let Some(entry) = heap.get_mut(place).filter(|entry| is_less(entry, &larger)) else { return };
         let sinking = core::mem::replace(entry, larger);
         if let Some(entry) = heap.get_mut(child) {
             *entry = sinking;

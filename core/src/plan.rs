@@ -74,6 +74,8 @@ pub struct SceneFacts {
     pub punctual: bool,
     /// Whether samples of a cloud are looked up in a [table of planes](crate::cloud_table).
     pub table: bool,
+    /// Whether irradiance is asked for: of lights with an area.
+    pub irradiance: bool,
     /// What is to be done.
     pub work: Work,
 }
@@ -115,6 +117,7 @@ impl Default for SceneFacts {
             facing: false,
             punctual: false,
             table: false,
+            irradiance: false,
             work: Work::Whole,
         }
     }
@@ -213,6 +216,8 @@ impl Plan {
                 }
             }
             once(Stage::Reduce, if facts.visibility && !facts.punctual { count } else { 0 }, first)?;
+            let lit = facts.irradiance && !facts.punctual && index != IndexKind::Shafts;
+            once(Stage::Illuminate, if lit { count } else { 0 }, first)?;
             first += count;
         }
         // The masks of all receivers, of a bit each, are kept: a light may have several frames.
@@ -290,6 +295,9 @@ impl Plan {
         }
         match stage {
             _ if !work => (false, "no receivers"),
+            Stage::Illuminate if !facts.irradiance => (false, "irradiance is not asked for"),
+            Stage::Illuminate if facts.punctual || cloud => (false, "the light has no area"),
+            Stage::Illuminate => (true, "irradiance is asked for"),
             Stage::SnapVertices if facts.new_vertices == 0 => (false, "the scene is on the lattice already"),
             Stage::SnapVertices => (true, "new vertices"),
             Stage::SnapReceivers if !facts.world_receivers => (false, "the receivers are on the lattice already"),

@@ -82,8 +82,8 @@ pub enum SerialError {
         /// Index of the element.
         index: u32,
     },
-    /// The plan asks for another index, for a light without extent, or for a mesh to be packed as it lies: the serial executor
-    /// knows lights with an area, and a hierarchy that is made anew.
+    /// The plan asks for another index, for a light without extent, for irradiance, or for a mesh to be packed as it lies: the serial
+    /// executor knows masks of lights with an area, and a hierarchy that is made anew.
     #[error("the serial executor does not run {stage:?}")]
     OtherIndex {
         /// The stage.
@@ -266,7 +266,8 @@ impl<W: MaskWord, P: PrecisionMode> Executor for Serial<'_, W, P> {
             | Stage::DefineFrame
             | Stage::BinReceivers
             | Stage::BinTriangles
-            | Stage::ResolveCells => {
+            | Stage::ResolveCells
+            | Stage::Illuminate => {
                 return Err(SerialError::OtherIndex { stage: pass.stage });
             }
             Stage::Reduce => (self.reduce(pass), "masks or visibility"),

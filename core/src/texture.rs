@@ -218,17 +218,15 @@ impl Coordinate {
     /// A coordinate that is not finite, or beyond [`MOST_COORDINATE`]; `index` names its vertex.
     pub fn snap(index: usize, coordinate: Vec2) -> Result<Self, TextureError> {
         let along = |axis: &'static str, value: f32| {
+            // Compared so that NaN is refused.
+            if !(value.abs() <= MOST_COORDINATE) {
+                return Err(TextureError::Coordinate { index, axis, value });
+            }
             // A product with a power of two is exact, and so is what it is rounded to.
             let scaled = f64::from(value) * f64::from(1 << DIGITS);
-            let whole = scaled as i64;
-            let rest = scaled - whole as f64;
-            let rounded = whole + i64::from(rest >= 0.5) - i64::from(rest <= -0.5);
-            // Compared so that NaN is refused.
-            if value.abs() <= MOST_COORDINATE {
-                Ok(rounded as i32)
-            } else {
-                Err(TextureError::Coordinate { index, axis, value })
-            }
+            let whole = scaled as i32;
+            let rest = scaled - f64::from(whole);
+            Ok(whole + i32::from(rest >= 0.5) - i32::from(rest <= -0.5))
         };
         Ok(Self([along("u", coordinate.x)?, along("v", coordinate.y)?]))
     }

@@ -15,7 +15,7 @@ use umbra4_cpu_kernels::Detected;
 use umbra4_maps::stochastic::StochasticError;
 
 use crate::{
-    CpuWord, HardShadows, Index, Isa, Masks, Occluders, Receivers, Statistics,
+    CpuWord, HardShadows, Index, Isa, Masks, Occluders, Receivers, SceneError, Statistics,
     hard_shadows::ShadowBits,
     punctual::{Faces, Input, Part, PunctualRun},
     reduction::{LitCount, Pairs, Reduction, Visibility},
@@ -79,6 +79,9 @@ pub enum ExecutorError {
         /// Rows and columns of the light.
         light: [u32; 2],
     },
+    /// Receivers' normals are refused.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
     /// Options of microquad soft shadow mapping are refused.
     #[error(transparent)]
     Microquads(#[from] umbra4_maps::microquad::MicroquadError),

@@ -255,6 +255,7 @@ impl<W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W
             | Stage::SelectReceivers
             | Stage::ResolveCutout
             | Stage::AddTint
+            | Stage::Illuminate
             | Stage::ResolvePunctual
             | Stage::ResolveCloud => return Ok(()),
             Stage::KeyTriangles => self.key_triangles(),

@@ -1,7 +1,7 @@
 //! What can go wrong on a device.
 
 use thiserror::Error;
-use umbra4_core::{LatticeError, LightError, PunctualLightError, texture::TextureError};
+use umbra4_core::{LatticeError, LightError, PunctualLightError, glam::Vec3, texture::TextureError};
 use umbra4_maps::{microquad::MicroquadError, stochastic::StochasticError};
 use wgpu::{Device, ErrorFilter};
 
@@ -121,6 +121,22 @@ pub enum GpuError {
         emission: [u32; 2],
         /// Rows and columns of the light.
         light: [u32; 2],
+    },
+    /// There are more normals, or fewer, than receivers.
+    #[error("{normals} normals for {receivers} receivers")]
+    NormalCount {
+        /// Normals given.
+        normals: usize,
+        /// Receivers given.
+        receivers: usize,
+    },
+    /// A receiver's normal is zero or not finite.
+    #[error("normal {index} is {normal}: it points nowhere")]
+    Normal {
+        /// Index of the receiver.
+        index: usize,
+        /// The normal given.
+        normal: Vec3,
     },
     /// Options of microquad soft shadow mapping are refused.
     #[error(transparent)]

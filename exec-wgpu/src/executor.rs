@@ -8,7 +8,8 @@ use std::{
 use umbra4_core::{
     AnyLight, Counts, LatticeLight, MaskWord, Plan, Precision, Punctual, SceneFacts,
     emission::{Emission, Weight},
-    glam::IVec3,
+    glam::{IVec3, Vec3},
+    irradiance::{PackedSample, samples, unit},
     kernel::{
         dispatch::{MaskLayout, Reduction},
         resolve::{ReceiverCounts, stride},
@@ -21,7 +22,7 @@ use umbra4_core::{
 
 use crate::{
     Gpu, GpuError, LatticeReceivers, LatticeScene, Loading, Statistics, checks,
-    host::{Asked, Host, Results},
+    host::{Asked, Host, Illuminated, Results},
     light_run::{LightRun, RunLight, faces_with, meet},
     recorder::Recorder,
     scratch::Scratch,
@@ -197,6 +198,36 @@ impl WgpuExecutor {
         Ok((results.weighed, statistics))
     }
 
+    /// The irradiance of every receiver, red, green and blue, of a Lambertian surface with the given normal (of any length): see
+    /// [`umbra4_core::irradiance`] for the formula and its error. Masks do not leave the device.
+    ///
+    /// # Errors
+    /// As [`WgpuExecutor::light`]; another number of normals than receivers; the first normal that is zero or not finite.
+    pub fn irradiance<'a, S: AsRef<[Weight]>>(
+        &self,
+        scene: &LatticeScene<'_>,
+        light: &LatticeLight,
+        receivers: impl Into<LatticeReceivers<'a>>,
+        normals: &[Vec3],
+        emission: &Emission<S>,
+    ) -> Result<(Vec<[f32; 3]>, Statistics), GpuError> {
+        let (receivers, size) = (receivers.into(), [light.rows, light.columns]);
+        if emission.size() != size {
+            return Err(GpuError::EmissionSize { emission: emission.size(), light: size });
+        }
+        if normals.len() != receivers.points.len() {
+            return Err(GpuError::NormalCount { normals: normals.len(), receivers: receivers.points.len() });
+        }
+        let of = |(index, normal): (usize, &Vec3)| unit(*normal).ok_or(GpuError::Normal { index, normal: *normal });
+        let normals: Vec<Vec3> = normals.iter().enumerate().map(of).collect::<Result<_, _>>()?;
+        let samples: Vec<PackedSample> = samples(light, emission).collect();
+        let irradiance = Some(Illuminated { normals: &normals, samples: &samples });
+        let ask = Asked { counts: self.counted, irradiance, ..Asked::default() };
+        let light = (*light).into();
+        let (results, statistics) = self.run(scene, &light, receivers, narrowest(&light), ask)?;
+        Ok((results.irradiance, statistics))
+    }
+
     /// The shadow of a light without extent, a bit a receiver, 1 where the light does not reach it: bit n of word w is receiver
     /// 32·w + n; bits beyond the last receiver are 0.
     ///
@@ -265,6 +296,7 @@ impl WgpuExecutor {
             reached,
             facing: !receivers.facings.is_empty(),
             punctual: matches!(light, AnyLight::Punctual(_)),
+            irradiance: asked.irradiance.is_some(),
             ..SceneFacts::default()
         };
         let bounds = bounds(scene.vertices.iter().chain(points));
@@ -289,6 +321,13 @@ impl WgpuExecutor {
                     let weights = scratch.fit::<PackedWeight>(device, "weights", MOST_SAMPLES)?;
                     let sums = scratch.fit::<[u32; 3]>(device, "weighed light", receivers.points.len() as u64)?;
                     buffers.emission = Some([(&weights).into(), (&sums).into()]);
+                }
+                if let Some(Illuminated { normals, samples }) = asked.irradiance {
+                    buffers.irradiance = Some([
+                        scratch.fit::<[f32; 3]>(device, "normals", normals.len() as u64)?,
+                        scratch.fit::<PackedSample>(device, "samples of the light", samples.len() as u64)?,
+                        scratch.fit::<[f32; 3]>(device, "irradiance", normals.len() as u64)?,
+                    ]);
                 }
                 if let Some(words) = asked.planes {
                     buffers.planes = Some(scratch.fit::<u32>(device, "table of planes", words.len() as u64)?);

@@ -1,9 +1,13 @@
 //! A run for the host: what it hands over goes up, what it asked for comes back, block by block.
 
-use umbra4_core::kernel::{
-    resolve::{ReceiverCounts, STOPPED},
-    resolve_cloud::SampleTile,
-    weigh::PackedWeight,
+use umbra4_core::{
+    glam::Vec3,
+    irradiance::PackedSample,
+    kernel::{
+        resolve::{ReceiverCounts, STOPPED},
+        resolve_cloud::SampleTile,
+        weigh::PackedWeight,
+    },
 };
 use wgpu::{Buffer, CommandEncoderDescriptor};
 
@@ -24,10 +28,21 @@ pub(crate) struct Asked<'a> {
     pub(crate) visibility: bool,
     /// Those of the light's samples: visibility comes as sums of them.
     pub(crate) weights: Option<&'a [PackedWeight]>,
+    /// What irradiance is summed up of.
+    pub(crate) irradiance: Option<Illuminated<'a>>,
     /// Those of a cloud.
     pub(crate) samples: &'a [SampleTile],
     /// A table of planes before it.
     pub(crate) planes: Option<&'a [u32]>,
+}
+
+/// What irradiance is summed up of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Illuminated<'a> {
+    /// Of length 1, one a receiver.
+    pub(crate) normals: &'a [Vec3],
+    /// Row by row.
+    pub(crate) samples: &'a [PackedSample],
 }
 
 /// What came back.
@@ -36,6 +51,7 @@ pub(crate) struct Results {
     pub(crate) masks: Vec<u32>,
     pub(crate) lit: Vec<u32>,
     pub(crate) weighed: Vec<[u32; 3]>,
+    pub(crate) irradiance: Vec<[f32; 3]>,
     pub(crate) counts: Vec<ReceiverCounts>,
     pub(crate) stages: Vec<(&'static str, f64)>,
     /// Whether the driver has stopped a thread: the results lack something.
@@ -76,6 +92,11 @@ impl<'a> Host<'a> {
         let samples = buffers.samples.as_ref().map(|buffer| (buffer, bytemuck::cast_slice(self.asked.samples)));
         let planes = buffers.planes.as_ref().zip(self.asked.planes);
         let planes = planes.map(|(buffer, words)| (buffer, bytemuck::cast_slice(words)));
+        let illuminated = buffers.irradiance.as_ref().zip(self.asked.irradiance).map(|(buffers, asked)| {
+            let [normals, samples, _] = buffers;
+            [(normals, bytemuck::cast_slice(asked.normals)), (samples, bytemuck::cast_slice(asked.samples))]
+        });
+        let weights = weights.into_iter().chain(illuminated.into_iter().flatten());
         guarded(device, "uploads a scene", || {
             for (buffer, bytes) in parts.into_iter().chain(weights).chain(facings).chain(samples).chain(planes) {
                 queue.write_buffer(buffer, 0, bytes);
@@ -90,7 +111,7 @@ impl<'a> Host<'a> {
         if receivers == 0 {
             return Ok(results);
         }
-        let (stopped, lit, weighed) = guarded(device, "reads results", || {
+        let (stopped, lit, weighed, irradiance) = guarded(device, "reads results", || {
             let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor { label: Some("umbra4") });
             let word = size_of::<u32>() as u64;
             let stopped = copy(device, &mut encoder, &buffers.masks, buffers.stopped(), word);
@@ -98,8 +119,10 @@ impl<'a> Host<'a> {
             let lit = lit.map(|lit| copy(device, &mut encoder, lit, 0, receivers * word));
             let weighed = buffers.emission.as_ref().and_then(|[_, sums]| sums.buffer());
             let weighed = weighed.map(|weighed| copy(device, &mut encoder, weighed, 0, receivers * 3 * word));
+            let irradiance = buffers.irradiance.as_ref();
+            let irradiance = irradiance.map(|[_, _, sums]| copy(device, &mut encoder, sums, 0, receivers * 3 * word));
             queue.submit([encoder.finish()]);
-            (stopped, lit, weighed)
+            (stopped, lit, weighed, irradiance)
         })?;
         results.stopped = read::<u32>(device, &stopped)?.contains(&STOPPED);
         if let Some(lit) = lit {
@@ -107,6 +130,9 @@ impl<'a> Host<'a> {
         }
         if let Some(weighed) = weighed {
             results.weighed = read(device, &weighed)?;
+        }
+        if let Some(irradiance) = irradiance {
+            results.irradiance = read(device, &irradiance)?;
         }
         Ok(results)
     }

@@ -95,6 +95,7 @@ modules! {
     Upsample: "upsample",
     UpsampleLight: "upsample_light",
     Probe: "probe",
+    Illuminate: "illuminate",
 }
 
 modules! {

@@ -130,6 +130,8 @@ pub(crate) struct Buffers {
     pub(crate) lit: Option<Buffer>,
     /// Of an emission: the weights, and where their sums go. Whoever asks for sums brings them.
     pub(crate) emission: Option<[Resource; 2]>,
+    /// Unit normals, the light's samples, and where irradiance goes. Whoever asks for it brings them.
+    pub(crate) irradiance: Option<[Buffer; 3]>,
     pub(crate) samples: Option<Buffer>,
     /// A table of planes. Whoever has one brings it.
     pub(crate) planes: Option<Buffer>,
@@ -188,6 +190,7 @@ impl Buffers {
                 false => None,
             },
             emission: None,
+            irradiance: None,
             planes: None,
         })
     }
@@ -219,6 +222,9 @@ impl Buffers {
             Role::Facings => self.facings.as_ref().unwrap_or(&self.masks),
             Role::Planes => self.planes.as_ref().unwrap_or(&self.masks),
             Role::Samples => self.samples.as_ref().unwrap_or(&self.masks),
+            Role::UnitNormals => self.irradiance.as_ref().map_or(&self.masks, |[normals, _, _]| normals),
+            Role::Emitters => self.irradiance.as_ref().map_or(&self.masks, |[_, samples, _]| samples),
+            Role::Irradiance => self.irradiance.as_ref().map_or(&self.masks, |[_, _, sums]| sums),
             Role::Weights | Role::WeighedLight => match &self.emission {
                 Some([weights, _]) if role == Role::Weights => return weights.clone(),
                 Some([_, sums]) => return sums.clone(),
@@ -309,6 +315,7 @@ impl<E: Ends> Executor for Stages<'_, E> {
         // No plan of a light without extent has the stage resolve, and none of it ends a block.
         let facts = plan.facts();
         let last = match facts.index {
+            _ if facts.irradiance => Stage::Illuminate,
             _ if facts.visibility => Stage::Reduce,
             IndexKind::Shafts => Stage::ResolveCloud,
             _ => Stage::Resolve,

@@ -14,6 +14,7 @@ use spirv_std::{
 use umbra4_core::{
     Exact, Fast, PairWord,
     gbuffer::ViewParams,
+    irradiance::PackedSample,
     jitter::{Pattern, Regular},
     kernel::{
         self, order_cloud, resolve::ReceiverCounts, resolve_cloud::SampleTile, resolve_cloud_by_table::TableWord,
@@ -431,6 +432,21 @@ pub fn weigh(
     #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] light: &mut [[u32; 3]],
 ) {
     kernel::weigh::weigh(kernel::id(thread.to_array(), params), params, masks, weights, light);
+}
+
+/// See `umbra4_core::kernel::illuminate`.
+#[spirv(compute(threads(64)))]
+pub fn illuminate(
+    #[spirv(global_invocation_id)] thread: UVec3,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 0)] params: &Params,
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 1)] masks: &[u32],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 2)] receivers: &[[i32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 3)] normals: &[[f32; 3]],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 4)] samples: &[PackedSample],
+    #[spirv(storage_buffer, descriptor_set = 0, binding = 5)] irradiance: &mut [[f32; 3]],
+) {
+    let id = kernel::id(thread.to_array(), params);
+    kernel::illuminate::illuminate(id, params, masks, receivers, normals, samples, irradiance);
 }
 
 /// See `umbra4_core::kernel::reduce`.

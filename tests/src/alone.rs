@@ -7,8 +7,8 @@ use umbra4_core::{
     Exact, Fast, PairWord,
     jitter::Regular,
     kernel::{
-        Access, Kernel, ParamsKind, WORKGROUP, build_level, key_receivers, key_triangles, order_triangles, pack_light,
-        probe, reduce, resolve, resolve_punctual, settle_receivers, sort, weigh,
+        Access, Kernel, ParamsKind, WORKGROUP, build_level, illuminate, key_receivers, key_triangles, order_triangles,
+        pack_light, probe, reduce, resolve, resolve_punctual, settle_receivers, sort, weigh,
     },
     params::{Dispatched, JitteredParams, Params, PassParams, PunctualParams},
 };
@@ -238,6 +238,7 @@ pub fn on_host(kernel: Kernel, told: &Told, words: &mut [Vec<u32>]) {
         }
         Kernel::Reduce => run!(reduce::reduce, params; a; b),
         Kernel::Weigh => run!(weigh::weigh, params; a, b; c),
+        Kernel::Illuminate => run!(illuminate::illuminate, params; a, b, c, d; e),
         Kernel::PackLight => run!(pack_light::pack_light, params; a; b),
         Kernel::Probe => run!(probe::probe, params; a; b),
         other => panic!("{other:?} is not run alone"),

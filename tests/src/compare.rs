@@ -82,6 +82,18 @@ pub enum Mismatch {
         /// How many bits there are.
         bits: u64,
     },
+    /// A sum of light is another.
+    #[error("receiver {receiver}: light {got:?}, expected {expected:?}; that of {differing} receivers differs")]
+    Light {
+        /// Index of the first receiver that differs.
+        receiver: usize,
+        /// Red, green, blue.
+        expected: [u32; 3],
+        /// The same as they came.
+        got: [u32; 3],
+        /// How many receivers differ.
+        differing: usize,
+    },
     /// A visibility is NaN.
     #[error("receiver {receiver}: visibility is NaN")]
     NotANumber {
@@ -183,6 +195,24 @@ pub fn compare_visibility(lit: &[u32], got: &[f32], samples: u32, amount: Amount
         }
     }
     Ok(())
+}
+
+/// Compares sums of light, integers, of all receivers.
+///
+/// # Errors
+/// The first difference, and how many there are; a wrong length; nothing to compare.
+pub fn compare_light(expected: &[[u32; 3]], got: &[[u32; 3]], amount: Amount) -> Result<(), Mismatch> {
+    check_amount(amount, expected.len(), got.len())?;
+    let mut differing = (0..expected.len()).filter(|&receiver| expected[receiver] != got[receiver]);
+    match differing.next() {
+        None => Ok(()),
+        Some(receiver) => Err(Mismatch::Light {
+            receiver,
+            expected: expected[receiver],
+            got: got[receiver],
+            differing: 1 + differing.count(),
+        }),
+    }
 }
 
 /// The number of lit samples of every receiver.

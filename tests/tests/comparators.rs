@@ -2,7 +2,7 @@
 
 use umbra4_core::PairWord;
 use umbra4_tests::{
-    compare::{Amount, Compared, Mismatch, bits_of, compare_masks, compare_visibility, lit_counts},
+    compare::{Amount, Compared, Mismatch, bits_of, compare_light, compare_masks, compare_visibility, lit_counts},
     filtered::{Agreement, Disagreement, SHARE, TOLERANCE, agree},
     hard_cases::Check,
     ledger::Ledger,
@@ -109,6 +109,23 @@ fn visibilities_must_be_the_fraction_that_is_lit() {
     }
     assert!(compare_visibility(&lit, &[1.0e-9, 0.5, 1.0], 6, Amount::Some).is_err());
     assert!(compare_visibility(&lit, &[0.0, 0.5, 1.0 - f32::EPSILON / 2.0], 6, Amount::Some).is_err());
+}
+
+#[test]
+fn every_channel_of_light_is_compared() {
+    let expected = [[1, 2, 3], [0; 3], [1 << 28, 5, 0]];
+    assert_eq!(compare_light(&expected, &expected, Amount::Some), Ok(()));
+    for (receiver, channel, by) in [(0, 0, 1), (1, 1, 1), (2, 2, u32::MAX), (2, 0, 1 << 31)] {
+        let mut got = expected;
+        got[receiver][channel] ^= by;
+        let error = Mismatch::Light { receiver, expected: expected[receiver], got: got[receiver], differing: 1 };
+        assert_eq!(compare_light(&expected, &got, Amount::Some), Err(error));
+    }
+    let all = compare_light(&expected, &[[9; 3]; 3], Amount::Some).expect_err("all differ");
+    assert!(matches!(all, Mismatch::Light { receiver: 0, differing: 3, .. }), "{all}");
+    assert_eq!(compare_light(&expected, &expected[..2], Amount::Some), Err(Mismatch::Length { expected: 3, got: 2 }));
+    assert_eq!(compare_light(&[], &[], Amount::Some), Err(Mismatch::Empty));
+    assert_eq!(compare_light(&[], &expected, Amount::None), Err(Mismatch::NotEmpty { got: 3 }));
 }
 
 #[test]

@@ -1,13 +1,18 @@
-//! Lights without extent, emissions and receivers that face some way on a GPU, against the oracle. `UMBRA4_GPU` says which adapter must be there, see
+//! Lights without extent, emissions, irradiance and receivers that face some way on a GPU, against the oracle. `UMBRA4_GPU` says which adapter must be there, see
 //! [`umbra4_tests::gpu::required`].
 
 use libtest_mimic::Failed;
-use umbra4_core::{Facing, Jitter, LatticeLight, Punctual, emission::Emission, glam::IVec3};
+use umbra4_core::{
+    Facing, Jitter, LatticeLight, Punctual,
+    emission::Emission,
+    glam::{IVec3, Vec3},
+};
 use umbra4_cpu::CpuExecutor;
 use umbra4_tests::{
     facings,
     gpu::{Check, run, scene},
     hard_shadows::property,
+    irradiance,
     ledger::say,
     rng::Rng,
     scenes::{EXPONENTS, GENERATORS, SampleGrid},
@@ -90,12 +95,53 @@ fn facing(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
     Ok(())
 }
 
+/// Irradiance: the direct sum's within the documented error, and so the processor's.
+fn irradiance(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
+    let (_, generator) = GENERATORS.iter().find(|(n, _)| *n == name).ok_or("no such generator")?;
+    let mut rng = Rng::named(1, &format!("irradiance {name}"));
+    let (mut worst, mut apart, mut lit) = (0.0_f64, 0.0_f64, 0);
+    for (round, (rows, columns)) in GRIDS.into_iter().enumerate() {
+        let grid = SampleGrid::regular(rows, columns);
+        let grid = if round % 2 == 1 { grid.jittered(&mut rng) } else { grid };
+        let inputs = generator(&mut rng, grid).inputs(EXPONENTS[round % EXPONENTS.len()]);
+        let normals = facings::normals(&mut rng, &inputs, &facings::samples(&inputs));
+        let weights = weights(&mut rng, inputs.light.sample_count() as usize);
+        let emission = Emission::new(rows, columns, &weights[..])?;
+        let points = inputs.receivers.points();
+        let (found, _) = executor.irradiance(&scene(&inputs), &inputs.light, points, &normals, &emission)?;
+        let wanted = irradiance::expected(&inputs, &normals, &weights);
+        let (error, some) = irradiance::check(&inputs, &wanted, &found).map_err(|e| format!("{name}: {e}"))?;
+        (worst, lit) = (worst.max(error), lit + some);
+        let processor = CpuExecutor::new();
+        let (other, _) =
+            processor.irradiance(&inputs.occluders, &inputs.light, &inputs.receivers, &normals, &emission)?;
+        for (a, b) in found.iter().flatten().zip(other.iter().flatten()).filter(|(_, b)| **b > 0.0) {
+            apart = apart.max((f64::from(*a) / f64::from(*b) - 1.0).abs());
+        }
+    }
+    assert!(lit > 0, "{name}: no receiver gets light");
+    say(&format!(
+        "irradiance on a GPU, {name}: errors at most {worst:.3} of what is allowed, {apart:.1e} from the processor's"
+    ));
+    Ok(())
+}
+
 fn refusals(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
     let (_, generator) = GENERATORS.iter().find(|(n, _)| *n == name).ok_or("no such generator")?;
     let inputs = generator(&mut Rng::named(0, "refusals"), SampleGrid::regular(4, 8)).inputs(0);
     let other = Emission::new(8, 4, [[1; 3]; 32])?;
     let refused = executor.light(&scene(&inputs), &inputs.light, inputs.receivers.points(), &other);
     assert!(matches!(refused, Err(GpuError::EmissionSize { emission: [8, 4], light: [4, 8] })), "{refused:?}");
+    let (points, own) = (inputs.receivers.points(), Emission::new(4, 8, [[1; 3]; 32])?);
+    let mut normals = vec![Vec3::Y; points.len()];
+    let refused = executor.irradiance(&scene(&inputs), &inputs.light, points, &normals, &other);
+    assert!(matches!(refused, Err(GpuError::EmissionSize { .. })), "{refused:?}");
+    normals[0].y = f32::NAN;
+    let refused = executor.irradiance(&scene(&inputs), &inputs.light, points, &normals, &own);
+    assert!(matches!(refused, Err(GpuError::Normal { index: 0, .. })), "{refused:?}");
+    normals.push(Vec3::Y);
+    let refused = executor.irradiance(&scene(&inputs), &inputs.light, points, &normals, &own);
+    assert!(matches!(refused, Err(GpuError::NormalCount { .. })), "{refused:?}");
     let few = LatticeReceivers { points: inputs.receivers.points(), facings: &[Facing::UNKNOWN], layers: &[] };
     let refused = executor.lit_counts(&scene(&inputs), &inputs.light, few);
     assert!(matches!(refused, Err(GpuError::FacingCount { facings: 1, .. })), "{refused:?}");
@@ -143,6 +189,7 @@ fn main() {
         checks.push((format!("hard_shadows::{name}"), hard_shadows, name));
         checks.push((format!("emission::{name}"), emission, name));
         checks.push((format!("facing::{name}"), facing, name));
+        checks.push((format!("irradiance::{name}"), irradiance, name));
     }
     run(checks);
 }

@@ -80,6 +80,12 @@ fn plans_say_why() {
     assert_eq!(reason(table, Stage::ResolveCloud), (true, "receivers to shadow, by a table of planes"));
     assert!(Plan::new(table).to_string().contains("+ resolve_cloud    receivers to shadow, by a table of planes\n"));
     assert_eq!(reason(SceneFacts { triangles: 0, ..table }, Stage::ResolveCloud), (false, "no triangles"));
+    assert_eq!(reason(facts, Stage::Illuminate), (false, "irradiance is not asked for"));
+    let lit = SceneFacts { irradiance: true, ..facts };
+    assert_eq!(reason(lit, Stage::Illuminate), (true, "irradiance is asked for"));
+    for other in [SceneFacts { punctual: true, ..lit }, SceneFacts { index: IndexKind::Shafts, ..lit }] {
+        assert_eq!(reason(other, Stage::Illuminate), (false, "the light has no area"));
+    }
     assert_eq!(reason(SceneFacts { arranged: true, ..facts }, Stage::OrderTriangles), (false, "the mesh is arranged"));
 }
 

@@ -6,7 +6,7 @@ use umbra4_cpu::CpuExecutor;
 
 use super::{
     case::{cases, sphere},
-    table_error,
+    offset_effect, table_error,
 };
 use crate::{
     compare::CompareError,
@@ -44,7 +44,7 @@ pub(super) struct Line {
 /// What was measured on a scene.
 pub(super) struct Measured {
     pub(super) lines: Vec<Line>,
-    /// What the table of planes gets wrong, as Markdown.
+    /// What the table of planes gets wrong, and what an offset darkens, as Markdown.
     pub(super) errors: String,
 }
 
@@ -83,5 +83,6 @@ pub(super) fn measure(name: &str, options: &Options<'_>) -> Result<Measured, Com
     let lines = lines.collect();
     let errors =
         table_error::markdown(name, &executor, &occluders, &problem.receivers, &sphere(&scene, &problem, 256)?)?;
+    let errors = errors + &offset_effect::markdown(name, &executor, &occluders, &problem)?;
     Ok(Measured { lines, errors })
 }

@@ -4,6 +4,7 @@ mod args;
 mod case;
 mod casters;
 mod measure;
+mod offset_effect;
 mod table;
 mod table_error;
 

@@ -6,6 +6,7 @@
 use umbra4_core::{
     Exact, Fast, PairWord, PrecisionMode,
     gbuffer::ViewParams,
+    irradiance::PackedSample,
     jitter::Regular,
     kernel::{
         accumulate::accumulate,
@@ -13,6 +14,7 @@ use umbra4_core::{
         dispatch::{Dispatch, MaskLayout, counters, dispatches},
         face_pixels::{face_pixel, thin_facings},
         half::{thin, upsample},
+        illuminate::illuminate,
         key_receivers::key_receivers,
         key_triangles::key_triangles,
         order_cloud::{
@@ -112,6 +114,9 @@ check! { of Params:
         (receivers: &[[i32; 3]], facings: &[u32], order: &mut [Entry]);
     check_kernel_reduce = reduce, (masks: &[u32], lit: &mut [u32]);
     check_kernel_weigh = weigh, (masks: &[u32], weights: &[PackedWeight], light: &mut [[u32; 3]]);
+    check_kernel_illuminate = illuminate,
+        (masks: &[u32], receivers: &[[i32; 3]], normals: &[[f32; 3]], samples: &[PackedSample],
+        irradiance: &mut [[f32; 3]]);
     check_kernel_pack = pack, (lit: &[u32], table: &[u32], image: &mut [u32]);
     check_kernel_pack_light = pack_light, (light: &[[u32; 3]], image: &mut [u32]);
     check_kernel_accumulate = accumulate, (lit: &[u32], sums: &mut [u32], image: &mut [u32]);

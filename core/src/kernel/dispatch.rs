@@ -54,6 +54,12 @@ pub enum Role {
     Weights,
     /// Sums of the weights of lit samples, of all receivers.
     WeighedLight,
+    /// Unit normals of all receivers.
+    UnitNormals,
+    /// Places and weights of the light's samples.
+    Emitters,
+    /// Irradiance of all receivers.
+    Irradiance,
 }
 
 /// One kernel to be run.
@@ -234,6 +240,10 @@ pub fn dispatches<E>(
                 one(Kernel::Weigh, pass, &[Role::Masks, Role::Weights, Role::WeighedLight])?;
             }
             Ok(())
+        }
+        Stage::Illuminate => {
+            let roles = [Role::Masks, Role::Receivers, Role::UnitNormals, Role::Emitters, Role::Irradiance];
+            one(Kernel::Illuminate, PassParams { stride: layout.stride, ..by_id }, &roles)
         }
         // How vertices and receivers come is the executor's; the hierarchy is the index of those that run kernels.
         Stage::SnapVertices

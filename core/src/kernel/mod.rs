@@ -13,6 +13,7 @@ pub mod casters;
 pub mod dispatch;
 pub mod face_pixels;
 pub mod half;
+pub mod illuminate;
 pub mod key_receivers;
 pub mod key_triangles;
 pub mod light_params;

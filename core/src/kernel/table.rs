@@ -163,6 +163,8 @@ pub enum Kernel {
     UpsampleLight,
     /// [`super::probe`], for tests.
     Probe,
+    /// [`super::illuminate`].
+    Illuminate,
 }
 
 /// What a kernel is told: the type of its binding 0.
@@ -278,6 +280,12 @@ pub enum Slot {
     Probes,
     /// What it makes of it, u32 × 8.
     Probed,
+    /// Unit normals of receivers, f32 × 3.
+    UnitNormals,
+    /// Places and weights of the light's samples: [`crate::irradiance::PackedSample`].
+    Emitters,
+    /// Irradiance of receivers, f32 × 3.
+    Irradiance,
 }
 
 /// Whether a kernel writes a buffer.
@@ -464,7 +472,7 @@ const OWNED_DEPTHS: &[Bound] = &owned(texture(Slot::Depths), texture(Slot::Norma
 const OWNED_DEPTH_SAMPLES: &[Bound] = &owned(samples(Slot::Depths), samples(Slot::Normals), Access::IdSamples);
 
 /// All kernels.
-pub const TABLE: [KernelInfo; 78] = [
+pub const TABLE: [KernelInfo; 79] = [
     line(Kernel::KeyTriangles, "key_triangles", Stage::KeyTriangles, KEY_TRIANGLES),
     line(Kernel::KeyReceivers, "key_receivers", Stage::KeyReceivers, KEY_RECEIVERS),
     line(
@@ -655,6 +663,18 @@ pub const TABLE: [KernelInfo; 78] = [
         &[read(Slot::Receivers), read(Slot::ThinReceivers), read(Slot::WeighedLight), write(Slot::WeighedLight)],
     ),
     line(Kernel::Probe, "probe", Stage::Resolve, &[read(Slot::Probes), write(Slot::Probed)]),
+    line(
+        Kernel::Illuminate,
+        "illuminate",
+        Stage::Illuminate,
+        &[
+            read(Slot::Masks),
+            read(Slot::Receivers),
+            read(Slot::UnitNormals),
+            read(Slot::Emitters),
+            write(Slot::Irradiance),
+        ],
+    ),
 ];
 
 impl Kernel {

@@ -14,6 +14,12 @@ pub const fn packed([red, green, blue]: [u16; 3]) -> PackedWeight {
     [red as u32 | (green as u32) << 16, blue as u32]
 }
 
+/// The weight that a packed one stands for.
+#[inline(always)]
+pub const fn unpacked([low, high]: PackedWeight) -> [u32; 3] {
+    [low & 0xffff, low >> 16, high & 0xffff]
+}
+
 /// Receiver `id` of a block. Rows are in words of 16 bits, two in a word of 32, where the light has at most 16 columns; in words
 /// of 32 bits where it has at most 32; else in two. `weights` holds a weight a sample, row by row.
 #[inline(always)]
@@ -25,10 +31,10 @@ pub fn weigh(id: usize, params: &Params, masks: &[u32], weights: &[PackedWeight]
     let mut lit = lit_samples(&params.light(), pass.stride);
     let mut sum = [0_u32; 3];
     while let Some(sample) = lit.next(masks, id) {
-        let weight = fetch(weights, sample as usize, [0; 2]);
-        sum[0] += weight[0] & 0xffff;
-        sum[1] += weight[0] >> 16;
-        sum[2] += weight[1] & 0xffff;
+        let weight = unpacked(fetch(weights, sample as usize, [0; 2]));
+        sum[0] += weight[0];
+        sum[1] += weight[1];
+        sum[2] += weight[2];
     }
     store(light, pass.first as usize + id, sum);
 }

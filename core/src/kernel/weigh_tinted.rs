@@ -4,7 +4,7 @@
 use crate::{
     kernel::{
         fetch, store,
-        weigh::{PackedWeight, lit_samples},
+        weigh::{PackedWeight, lit_samples, unpacked},
     },
     params::Params,
     tint::{Depth, tinted},
@@ -31,9 +31,9 @@ pub fn weigh_tinted(
     let mut lit = lit_samples(&own, pass.stride);
     let mut sum = [0_u32; 3];
     while let Some(sample) = lit.next(masks, id) {
-        let weight = fetch(weights, sample as usize, [0; 2]);
+        let weight = unpacked(fetch(weights, sample as usize, [0; 2]));
         let depth = fetch(depths, first + sample as usize, Depth::CLEAR);
-        let part = tinted(table, [weight[0] & 0xffff, weight[0] >> 16, weight[1] & 0xffff], depth);
+        let part = tinted(table, weight, depth);
         sum[0] += part[0];
         sum[1] += part[1];
         sum[2] += part[2];

@@ -66,6 +66,8 @@ pub enum Stage {
     ResolveCells,
     /// Mask → lit count → visibility.
     Reduce,
+    /// Mask → irradiance ([`crate::irradiance`]).
+    Illuminate,
 }
 
 /// A buffer that stages share.
@@ -122,6 +124,10 @@ pub enum Binding {
     VisibilityTable,
     /// Fraction of lit samples, f32.
     Visibility,
+    /// Places and weights of the light's samples.
+    Emitters,
+    /// Irradiance of receivers, f32 × 3.
+    Irradiance,
 }
 
 /// One line of the stage table.
@@ -144,7 +150,7 @@ pub struct StageInfo {
 use Binding as B;
 
 /// All stages, in the order in which data flows.
-pub const TABLE: [StageInfo; 20] = [
+pub const TABLE: [StageInfo; 21] = [
     StageInfo {
         stage: Stage::SnapVertices,
         name: "snap_vertices",
@@ -303,6 +309,14 @@ pub const TABLE: [StageInfo; 20] = [
         id: "receiver",
         reads: &[B::Masks, B::VisibilityTable],
         writes: &[B::LitCounts, B::Visibility],
+        workgroup: 64,
+    },
+    StageInfo {
+        stage: Stage::Illuminate,
+        name: "illuminate",
+        id: "receiver",
+        reads: &[B::Masks, B::Receivers, B::Normals, B::Emitters],
+        writes: &[B::Irradiance],
         workgroup: 64,
     },
 ];

@@ -50,6 +50,8 @@ pub enum CasterError {
 #[derive(Clone, Debug, PartialEq)]
 struct Surface {
     kind: SurfaceKind,
+    /// Whether it was made of tints, though all of them may be clear.
+    of_panes: bool,
     texture: TextureSize,
     words: Arc<[u32]>,
 }
@@ -58,16 +60,16 @@ impl Surface {
     /// Without a texture that anybody has to look up.
     fn plain(kind: SurfaceKind) -> Self {
         let words: &[u32] = if kind == SurfaceKind::Opaque { &[1] } else { &[] };
-        Self { kind, texture: TextureSize::ONE, words: words.into() }
+        Self { kind, of_panes: false, texture: TextureSize::ONE, words: words.into() }
     }
 
     /// Of a depth a texel.
     fn tinted(texture: TextureSize, mut words: Vec<u32>, depths: &[Depth]) -> Self {
         if depths.iter().all(|depth| *depth == Depth::CLEAR) {
-            return Self::plain(SurfaceKind::Clear);
+            return Self { of_panes: true, ..Self::plain(SurfaceKind::Clear) };
         }
         words.extend(depths.iter().flat_map(|depth| depth.words()));
-        Self { kind: SurfaceKind::Tinted, texture, words: words.into() }
+        Self { kind: SurfaceKind::Tinted, of_panes: true, texture, words: words.into() }
     }
 }
 
@@ -143,7 +145,7 @@ impl Caster {
             let bits =
                 |part: &[u8]| part.iter().rev().fold(0, |bits, alpha| bits << 1 | u32::from(*alpha >= threshold));
             words.extend(alphas.chunks(32).map(bits));
-            Surface { kind: SurfaceKind::Cutout, texture: size, words: words.into() }
+            Surface { kind: SurfaceKind::Cutout, of_panes: false, texture: size, words: words.into() }
         };
         Ok(Self::of(occluders, surface))
     }
@@ -185,7 +187,7 @@ impl Caster {
     /// # Errors
     /// An edge at which the mesh is open; a tinted caster.
     pub fn closed(mut self) -> Result<Self, CasterError> {
-        if self.surface.kind == SurfaceKind::Tinted {
+        if self.surface.of_panes {
             return Err(CasterError::Tinted { field: "closed side" });
         }
         check_closed(&self.occluders)?;
@@ -204,7 +206,7 @@ impl Caster {
         if units > MOST_OFFSET {
             return Err(CasterError::Offset { value: units });
         }
-        if units > 0 && self.surface.kind == SurfaceKind::Tinted {
+        if units > 0 && self.surface.of_panes {
             return Err(CasterError::Tinted { field: "plane offset" });
         }
         self.casting.offset = units;
