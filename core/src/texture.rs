@@ -219,7 +219,7 @@ impl Coordinate {
     pub fn snap(index: usize, coordinate: Vec2) -> Result<Self, TextureError> {
         let along = |axis: &'static str, value: f32| {
             // Compared so that NaN is refused.
-            if !(value.abs() <= MOST_COORDINATE) {
+            if !(-MOST_COORDINATE..=MOST_COORDINATE).contains(&value) {
                 return Err(TextureError::Coordinate { index, axis, value });
             }
             // A product with a power of two is exact, and so is what it is rounded to.

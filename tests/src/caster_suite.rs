@@ -1,6 +1,9 @@
 //! What any executor has to pass, of casters: masks, counts, visibility and light, against their oracle, bit by bit.
 
-use umbra4_core::emission::{Emission, Weight};
+use umbra4_core::{
+    PairWord,
+    emission::{Emission, Weight},
+};
 use umbra4_cpu::{CpuExecutor, CpuWord, Isa};
 
 use crate::{
@@ -113,6 +116,63 @@ pub fn check_masks<W: CpuWord>(
     let masks = subject.masks::<W>(inputs)?;
     let compared = compare_masks(&expected.masks, &masks, inputs.light.rows, inputs.light.columns, expected.amount());
     compared.map_err(|mismatch| format!("words of {} bits: {mismatch}", W::BITS))
+}
+
+/// Compares masks in words of all widths that hold the light's columns.
+///
+/// # Errors
+/// The first difference, in words.
+pub fn check_all_widths(
+    subject: &impl CasterSubject,
+    inputs: &CasterInputs,
+    expected: &Expected,
+) -> Result<Compared, String> {
+    fn add<W: CpuWord>(
+        subject: &impl CasterSubject,
+        inputs: &CasterInputs,
+        expected: &Expected,
+        total: &mut Compared,
+    ) -> Result<(), String> {
+        if inputs.light.columns <= W::BITS {
+            let compared = check_masks::<W>(subject, inputs, expected)?;
+            total.bits += compared.bits;
+            total.blocked += compared.blocked;
+        }
+        Ok(())
+    }
+    let mut total = Compared::default();
+    add::<u16>(subject, inputs, expected, &mut total)?;
+    add::<u32>(subject, inputs, expected, &mut total)?;
+    add::<u64>(subject, inputs, expected, &mut total)?;
+    add::<PairWord>(subject, inputs, expected, &mut total)?;
+    Ok(total)
+}
+
+/// Compares all that a subject makes of a scene, on a lattice of step `2^-exponent`.
+///
+/// # Errors
+/// The first difference, in words.
+pub fn check(
+    subject: &impl CasterSubject,
+    scene: &CasterScene,
+    exponent: i32,
+    expected: &Expected,
+    weights: &[Weight],
+) -> Result<Compared, String> {
+    let inputs = scene.inputs(exponent);
+    let compared = check_all_widths(subject, &inputs, expected)?;
+    check_sums(subject, &inputs, expected, weights)?;
+    Ok(compared)
+}
+
+/// Names the failure and the smallest scene that shows it.
+///
+/// # Panics
+/// Always.
+pub fn report(subject: &impl CasterSubject, what: &str, scene: &CasterScene, weights: &[Weight], error: &str) -> ! {
+    let check = |scene: &CasterScene| check(subject, scene, 0, &Expected::of(scene, weights), weights);
+    let scene = minimise(scene, |scene| check(scene).is_err());
+    panic!("{}, {what}: {error}\nsmallest scene that fails: {:?}\n{scene:?}", subject.name(), check(&scene).err());
 }
 
 /// Compares what a subject makes of masks and depths with what the oracle does.

@@ -202,14 +202,14 @@ fn tints_that_are_no_fractions() {
 
 #[test]
 fn open_meshes_that_are_said_to_be_closed() {
-    for missing in 0..4 {
+    for (missing, lost) in SIDES.iter().enumerate() {
         let mut sides = SIDES.to_vec();
         sides.remove(missing);
         let open = Occluders::new(&lattice(), &CORNERS, &sides).expect("vertices are inside");
         let error = Caster::opaque(open).closed().expect_err("it is open");
         // The first triangle has one side in common with the one that is missing: its ends, in its order.
         let [a, b, c] = sides[0];
-        let edge = [[a, b], [b, c], [c, a]].into_iter().find(|edge| edge.iter().all(|v| SIDES[missing].contains(v)));
+        let edge = [[a, b], [b, c], [c, a]].into_iter().find(|edge| edge.iter().all(|v| lost.contains(v)));
         let vertices = edge.expect("two sides of a tetrahedron share an edge");
         assert_eq!(error, CasterError::Open(OpenEdge { triangle: 0, vertices }));
         names(&error, &["triangle 0", &format!("from vertex {} to {}", vertices[0], vertices[1])]);

@@ -4,7 +4,7 @@
 use std::sync::LazyLock;
 
 use umbra4_core::{
-    Facing, Jitter, PairWord,
+    Facing, Jitter,
     emission::{Emission, Weight},
     glam::{IVec3, Vec3},
     tint::{self, Depth},
@@ -14,7 +14,7 @@ use umbra4_tests::{
     caster_inputs::{CasterInputs, caster_of},
     caster_oracle::{Decisions, OracleCaster, OracleSurface, closed, depth},
     caster_scenes::{self, CasterScene, GENERATORS, Generator},
-    caster_suite::{CasterSubject, CpuCasters, Expected, check_masks, check_sums, minimise},
+    caster_suite::{CasterSubject, CpuCasters, Expected, check, check_sums, report},
     compare::Compared,
     facings,
     ledger::{Ledger, bits_wanted},
@@ -33,49 +33,6 @@ fn subjects() -> Vec<CpuCasters> {
         sets.push(Isa::Portable);
     }
     sets.into_iter().map(|isa| CpuCasters::new(2, isa)).collect()
-}
-
-/// In words of all widths that hold the light's columns.
-fn in_all_widths(subject: &impl CasterSubject, inputs: &CasterInputs, expected: &Expected) -> Result<Compared, String> {
-    fn one<W: CpuWord>(
-        subject: &impl CasterSubject,
-        inputs: &CasterInputs,
-        expected: &Expected,
-        total: &mut Compared,
-    ) -> Result<(), String> {
-        if inputs.light.columns <= W::BITS {
-            let compared = check_masks::<W>(subject, inputs, expected)?;
-            total.bits += compared.bits;
-            total.blocked += compared.blocked;
-        }
-        Ok(())
-    }
-    let mut total = Compared::default();
-    one::<u16>(subject, inputs, expected, &mut total)?;
-    one::<u32>(subject, inputs, expected, &mut total)?;
-    one::<u64>(subject, inputs, expected, &mut total)?;
-    one::<PairWord>(subject, inputs, expected, &mut total)?;
-    Ok(total)
-}
-
-/// Everything about one scene.
-fn check(
-    subject: &impl CasterSubject,
-    scene: &CasterScene,
-    exponent: i32,
-    expected: &Expected,
-    weights: &[Weight],
-) -> Result<Compared, String> {
-    let inputs = scene.inputs(exponent);
-    let compared = in_all_widths(subject, &inputs, expected)?;
-    check_sums(subject, &inputs, expected, weights)?;
-    Ok(compared)
-}
-
-fn report(subject: &impl CasterSubject, what: &str, scene: &CasterScene, weights: &[Weight], error: &str) -> ! {
-    let check = |scene: &CasterScene| check(subject, scene, 0, &Expected::of(scene, weights), weights);
-    let scene = minimise(scene, |scene| check(scene).is_err());
-    panic!("{}, {what}: {error}\nsmallest scene that fails: {:?}\n{scene:?}", subject.name(), check(&scene).err());
 }
 
 /// Compares its part of the bits asked for on scenes of one kind.
@@ -202,7 +159,6 @@ fn what_is_wrong_is_noticed() {
     assert!(check(&subject, &scene, 7, &wrong, &weights).is_err());
 }
 
-/// A change of a texel, an offset, a layer or a weight shows, and is right.
 #[test]
 #[should_panic(expected = "smallest scene that fails")]
 fn a_wrong_executor_is_reported_with_its_smallest_scene() {
