@@ -23,7 +23,7 @@ use crate::{
 };
 
 /// Largest offset, lattice units.
-pub const MOST_OFFSET: u32 = 1 << 24;
+pub const MOST_OFFSET: u32 = 1 << 26;
 
 /// The receivers among `kept` that lie before the triangle, or in its plane, and behind the plane that is moved by `offset`.
 #[inline(always)]

@@ -141,7 +141,7 @@ pub(crate) fn caster(caster: &PackedCaster<'_>) -> Result<(), GpuError> {
         }
     }
     if caster.casting.offset > MOST_OFFSET {
-        return refuse("casting.offset", caster.casting.offset, "at most 2^24 lattice units");
+        return refuse("casting.offset", caster.casting.offset, "at most 2^26 lattice units");
     }
     let words = caster.layout().words(caster.kind);
     match words.filter(|words| caster.surface.len() == *words as usize) {
