@@ -75,8 +75,9 @@ impl IndexedCaster {
     ) -> Result<Self, GpuError> {
         checks::caster(caster)?;
         // A caster that does nothing to light has no triangle that matters.
-        let triangles = if caster.work() == CasterWork::Nothing { 0 } else { caster.triangles.len() as u32 };
-        let plan = Plan::new(SceneFacts { triangles, work: Work::Index, ..SceneFacts::default() });
+        let triangles = if caster.work() == CasterWork::Nothing { &[] } else { caster.triangles };
+        let facts = SceneFacts { triangles: triangles.len() as u32, work: Work::Index, ..SceneFacts::default() };
+        let plan = Plan::new(facts);
         let (device, queue) = (&gpu.device, &gpu.queue);
         // No mask is made.
         let layout = mask_layout(&(*light).into(), u32::BITS, Precision::Exact, false, u32::MAX);
@@ -84,7 +85,7 @@ impl IndexedCaster {
         let surface = scratch.fit::<u32>(device, "surface", caster.surface.len() as u64)?;
         guarded(device, "uploads a caster", || {
             queue.write_buffer(&buffers.vertices, 0, bytemuck::cast_slice(caster.vertices));
-            queue.write_buffer(&buffers.triangles, 0, bytemuck::cast_slice(caster.triangles));
+            queue.write_buffer(&buffers.triangles, 0, bytemuck::cast_slice(triangles));
             queue.write_buffer(&surface, 0, bytemuck::cast_slice(caster.surface));
         })?;
         let (grid, bounds) = (LightGrid::new(*light), bounds(caster.vertices.iter()));
