@@ -11,7 +11,7 @@ use umbra4_tests::{
     caster_inputs::CasterInputs,
     caster_oracle::Decisions,
     caster_scenes::GENERATORS,
-    caster_suite::{CasterSubject, Expected, check_masks, check_sums},
+    caster_suite::{CasterSubject, Expected, check_masks, check_sums, report},
     compare::Compared,
     gpu::{Check, run},
     ledger::say,
@@ -94,8 +94,9 @@ fn property(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
         if round == 0 {
             add(check_masks::<u64>(&subject, &inputs, &expected))?;
         }
-        check_sums(&subject, &inputs, &expected, &weights)
-            .map_err(|error| format!("{name}, round {round}: {error}"))?;
+        if let Err(error) = check_sums(&subject, &inputs, &expected, &weights) {
+            report(&subject, &format!("{name}, round {round}"), &scene, &weights, &error);
+        }
     }
     assert!(total.blocked > 0 && total.blocked < total.bits, "{name}: {total:?} tests nothing");
     say(&format!("casters on a GPU, {name}: {} bits, {} blocked, 0 differ; {decisions:?}", total.bits, total.blocked));
