@@ -129,7 +129,7 @@ impl<R: Real> TexelView<R> {
             return from;
         }
         pair.fallbacks += 1;
-        texel_between(forms.weights(pair, place), m, from, to)
+        texel_of(forms.weights(pair, place), m, last)
     }
 }
 
@@ -190,29 +190,65 @@ fn with_carry(word: u32, carry: u32, before: u32) -> (u32, u32) {
 
 #[inline(always)]
 fn is_less(a: &Sum, b: &Sum) -> bool {
-    let (mut less, mut k) = (false, 0);
-    while k < 5 {
-        less = a[k] < b[k] || (a[k] == b[k] && less);
-        k += 1;
-    }
-    less
+    // No loop: some drivers count rounds (`kernel::resolve`).
+    let mut less = a[0] < b[0];
+    less = a[1] < b[1] || (a[1] == b[1] && less);
+    less = a[2] < b[2] || (a[2] == b[2] && less);
+    less = a[3] < b[3] || (a[3] == b[3] && less);
+    a[4] < b[4] || (a[4] == b[4] && less)
 }
 
-/// The largest t in `from..=to` with `Σ w·m ≥ t·2^16·Σ w`, or `from`.
+/// Two words of 32 bits as a float.
+#[inline(always)]
+fn joined(high: u32, low: u32) -> f32 {
+    high as f32 * 4_294_967_296.0 + low as f32
+}
+
+/// The highest word that is not 0 and the one below it, as a float; and the place of the latter.
+#[inline(always)]
+fn leading(sum: &Sum) -> (f32, i32) {
+    if sum[4] != 0 {
+        (joined(sum[4], sum[3]), 3)
+    } else if sum[3] != 0 {
+        (joined(sum[3], sum[2]), 2)
+    } else if sum[2] != 0 {
+        (joined(sum[2], sum[1]), 1)
+    } else {
+        (joined(sum[1], sum[0]), 0)
+    }
+}
+
+/// `2^(32·words)`, of quotients that are near 1 once multiplied with it.
+#[inline(always)]
+fn by_words(words: i32) -> f32 {
+    if words >= 2 {
+        1.844_674_4e19
+    } else if words == 1 {
+        4_294_967_296.0
+    } else if words == 0 {
+        1.0
+    } else if words == -1 {
+        1.0 / 4_294_967_296.0
+    } else {
+        0.0
+    }
+}
+
+/// `⌊Σ w·m / (2^16·Σ w)⌋`, at most `last`.
+///
+/// Both sums are integers, and leading words lose but 2^-20 of them: below 2^16, the quotient is known to within a sixteenth. One
+/// comparison with the nearest border tells the rest.
 #[cfg_attr(not(target_arch = "spirv"), inline)]
 #[cfg_attr(target_arch = "spirv", inline(never))]
-fn texel_between(w: [[u32; 3]; 3], m: [u32; 3], mut from: u32, mut to: u32) -> u32 {
+fn texel_of(w: [[u32; 3]; 3], m: [u32; 3], last: u32) -> u32 {
     let at = plus(plus(plus([0; 5], w[0], m[0]), w[1], m[1]), w[2], m[2]);
-    while from < to {
-        let middle = from + (to - from).div_ceil(2);
-        let border = middle << 16;
-        if is_less(&at, &plus(plus(plus([0; 5], w[0], border), w[1], border), w[2], border)) {
-            to = middle - 1;
-        } else {
-            from = middle;
-        }
-    }
-    from
+    let whole = plus(plus(plus([0; 5], w[0], 1), w[1], 1), w[2], 1);
+    let ((part, of_part), (all, of_all)) = (leading(&at), leading(&whole));
+    let quotient = part / all * (1.0 / 65536.0) * by_words(of_part - of_all);
+    let nearest = within(Lanes::floor(Lanes::min(quotient + 0.5, 65536.0)), last);
+    let border = nearest << 16;
+    let is_below = is_less(&at, &plus(plus(plus([0; 5], w[0], border), w[1], border), w[2], border));
+    if is_below && nearest > 0 { nearest - 1 } else { nearest }
 }
 
 #[cfg(test)]
@@ -237,11 +273,47 @@ mod tests {
     #[test]
     fn borders_belong_to_the_upper_texel() {
         let w = |x: u32| [0, x, 0];
-        for t in 0..9 {
+        for t in 0..9_u32 {
             // Half way between two corners.
-            assert_eq!(texel_between([w(1), w(1), w(0)], [0, t << 17, 0], 0, 20), t);
+            assert_eq!(texel_of([w(1), w(1), w(0)], [0, t << 17, 0], 20), t);
             let below = if t > 0 { (t << 17) - 2 } else { 0 };
-            assert_eq!(texel_between([w(1), w(1), w(0)], [0, below, 0], 0, 20), t.max(1) - 1);
+            assert_eq!(texel_of([w(1), w(1), w(0)], [0, below, 0], 20), t.max(1) - 1);
         }
+    }
+
+    /// Of weights that 128 bits hold with their sums.
+    fn expected(w: [u128; 3], m: [u32; 3]) -> u32 {
+        let at: u128 = w.iter().zip(m).map(|(w, m)| w * u128::from(m)).sum();
+        (at / (w.iter().sum::<u128>() << 16)) as u32
+    }
+
+    #[test]
+    fn quotients_are_right_whatever_the_lengths_of_weights() {
+        let mut random = 1_u64;
+        let mut next = || {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (random >> 32) as u32
+        };
+        let mut borders = 0;
+        for _ in 0..200_000 {
+            let mut weight = || {
+                let word = u128::from(next()) << 64 | u128::from(next()) << 32 | u128::from(next());
+                (word % (1 << 93)) >> (next() % 93)
+            };
+            let w = [weight(), weight(), weight()];
+            if w == [0; 3] {
+                continue;
+            }
+            let mut m = [next(), next(), next()].map(|m| m >> (next() % 32));
+            if next() % 2 == 0 {
+                // All corners on borders, or beside them.
+                m = m.map(|m| (m & 0xffff_0000).wrapping_add(next() % 3).wrapping_sub(1));
+                borders += 1;
+            }
+            let words = w.map(|w| [w as u32, (w >> 32) as u32, (w >> 64) as u32]);
+            let last = m[0].max(m[1]).max(m[2]) >> 16;
+            assert_eq!(texel_of(words, m, last), expected(w, m), "{w:?} {m:?}");
+        }
+        assert!(borders > 1000);
     }
 }

@@ -201,7 +201,9 @@ impl CasterStages<'_> {
         let word = size_of::<u32>() as u64;
         let mut wanted: Vec<Wanted<'_>> = vec![(&buffers.masks, buffers.stopped(), word)];
         if let Some(depths) = &own.depths {
-            wanted.push((depths, depths.size() - size_of::<Depth>() as u64, word));
+            // The last whole one: a buffer that has grown may end with half a depth.
+            let depth = size_of::<Depth>() as u64;
+            wanted.push((depths, depths.size() / depth * depth - depth, word));
         }
         let flags = wanted.len();
         if self.masks {
