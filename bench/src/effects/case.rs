@@ -35,7 +35,7 @@ pub(super) enum Effect {
     /// The same by the paper's table.
     Table(Cloud<Vec<IVec3>>, TableSize),
     /// Casters, for receivers that may be on layers.
-    Casters(CasterCase),
+    Casters(Box<CasterCase>),
 }
 
 /// One line of the table.
@@ -82,7 +82,7 @@ pub(super) fn cases(scene: &Scene, problem: &Problem<'_>, occluders: &Occluders)
     let case = |name, effect| Case { name, effect };
     let plain = |light| Effect::Light(light, Sides::Front, None);
     let casters = caster_cases(problem, occluders)?;
-    let casters = casters.into_iter().map(|(name, casters)| case(name, Effect::Casters(casters)));
+    let casters = casters.into_iter().map(|(name, casters)| case(name, Effect::Casters(Box::new(casters))));
     let lights = vec![
         case("a rectangle", plain(light)),
         case("one that reaches nobody", plain(away)),

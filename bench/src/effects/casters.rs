@@ -88,7 +88,7 @@ pub(super) fn caster_cases(
     let tinted = |emission| CasterCase { emission: Some(emission), ..CasterCase::of(Vec::new()) };
     let (world, hero) = parts(occluders);
     let both = [Caster::opaque(world), Caster::opaque(hero)];
-    let odd = |index: usize| Layers::from_bits(if index % 2 == 0 { u32::MAX } else { 1 });
+    let odd = |index: usize| Layers::from_bits(if index.is_multiple_of(2) { u32::MAX } else { 1 });
     let layers: Vec<Layers> = (0..problem.receivers.len()).map(odd).collect();
     let on_layers = problem.receivers.clone().on_layers(&layers)?;
     let apart = vec![both[0].clone().on_layers(Layers::from_bits(1)), both[1].clone().on_layers(Layers::from_bits(2))];

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use umbra4_core::glam::IVec3;
 use umbra4_cpu::{Caster, CpuExecutor, Occluders};
 
 use crate::{contender::ContenderError, problem::Problem};
@@ -20,7 +21,7 @@ pub(super) fn markdown(
     problem: &Problem<'_>,
 ) -> Result<String, ContenderError> {
     let light = problem.light;
-    let edge = |step: umbra4_core::glam::IVec3, count: u32| step.as_dvec3().length() * f64::from(count);
+    let edge = |step: IVec3, count: u32| step.as_dvec3().length() * f64::from(count);
     let longer = edge(light.step_u, light.columns).max(edge(light.step_v, light.rows));
     let parts = occluders.closed_parts();
     let (closed, open) = occluders.split(parts.triangles());
