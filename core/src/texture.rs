@@ -2,7 +2,7 @@
 //! (x, y) covers `x/width ≤ u < (x + 1)/width`, `y/height ≤ v < (y + 1)/height`.
 //!
 //! Texture coordinates are snapped to multiples of 2^-16, as positions are to the lattice: with them, which texel a light sample
-//! is seen through is a question about integers ([`crate::texel`]).
+//! is seen through is a question about integers (`texel`).
 
 use glam::UVec4;
 #[cfg(not(target_arch = "spirv"))]

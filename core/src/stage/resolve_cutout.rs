@@ -1,7 +1,7 @@
 //! Stage `resolve_cutout`: what alpha-tested casters add to the masks of a group, and casters whose planes are offset.
 //!
 //! What a triangle covers is found as for any other; of that, the samples stay that are seen through an opaque texel
-//! ([`crate::texel`]). Samples that are blocked already are not looked up.
+//! (`texel`). Samples that are blocked already are not looked up.
 
 // On a GPU no structure holds references: what goes together is handed on one by one.
 #![allow(clippy::too_many_arguments)]
