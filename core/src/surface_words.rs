@@ -57,13 +57,11 @@ impl SurfaceLayout {
     #[inline(always)]
     pub(crate) fn triangle(&self, surface: &[u32], index: u32) -> TexturedTriangle {
         let first = (index as usize).wrapping_mul(TRIANGLE);
-        let mut out = [0; TRIANGLE];
-        if self.texels > 0 && first + TRIANGLE <= surface.len() {
-            let mut k = 0;
-            while k < TRIANGLE {
-                out[k] = surface[first + k];
-                k += 1;
-            }
+        let (mut out, mut k) = ([0; TRIANGLE], 0);
+        while self.texels > 0 && k < TRIANGLE {
+            let word = first.wrapping_add(k);
+            out[k] = if word < surface.len() { surface[word] } else { 0 };
+            k += 1;
         }
         out
     }
