@@ -5,11 +5,13 @@ use std::collections::HashMap;
 use umbra4_core::{
     Lattice,
     glam::{Vec2, Vec3},
+    plane_offset::MOST_OFFSET,
+    texture::{Coordinate, TextureError},
 };
 use umbra4_cpu::{Caster, CasterError, Occluders, Receivers, SceneError};
 
 use crate::{
-    model::{Casting, InPart, Model, Part, Parts, Surface},
+    model::{Casting, Closed, InPart, Model, Part, Parts, Surface},
     primary::GBuffer,
 };
 
@@ -17,11 +19,27 @@ use crate::{
 const REST: &str = "the rest of the scene";
 static OPAQUE: Surface = Surface::Opaque;
 
+/// Why a part is no caster.
+#[derive(Debug, thiserror::Error)]
+pub enum PartError {
+    /// The library refuses it.
+    #[error(transparent)]
+    Caster(#[from] CasterError),
+    /// An offset beyond what the lattice holds.
+    #[error("field `plane_offset` is {offset}: more than {most}, the most in a scene of this size")]
+    Offset {
+        /// Its value, world units.
+        offset: f64,
+        /// The most, world units.
+        most: f64,
+    },
+}
+
 /// The casters of a scene; `None` where all of it is opaque, and casts on everything.
 ///
 /// # Errors
 /// A texture, texture coordinates or an offset that the library refuses; a part that is said to be closed, and is not.
-pub fn casters(model: &Model, parts: &Parts, lattice: &Lattice) -> Result<Option<Vec<Caster>>, InPart<CasterError>> {
+pub fn casters(model: &Model, parts: &Parts, lattice: &Lattice) -> Result<Option<Vec<Caster>>, InPart<PartError>> {
     if parts.is_plain() {
         return Ok(None);
     }
@@ -76,12 +94,14 @@ struct Groups<'a> {
 
 impl<'a> Groups<'a> {
     /// The parts of one node.
-    fn add_node(&mut self, node: &[&'a Part]) -> Result<(), InPart<CasterError>> {
+    fn add_node(&mut self, node: &[&'a Part]) -> Result<(), InPart<PartError>> {
         let model = self.model;
-        let asks = |part: &&Part| part.one_sided && part.surface == Surface::Opaque && part.casting.closed.is_none();
+        let asks =
+            |part: &&Part| part.casting.closed == Closed::Found && part.one_sided && part.surface == Surface::Opaque;
         let (asking, others): (Vec<&Part>, Vec<&Part>) = node.iter().copied().partition(asks);
         for part in others {
-            let closed = part.casting.closed == Some(true);
+            check_coordinates(model, part).map_err(|e| named(&part.label)(CasterError::Texture(e).into()))?;
+            let closed = part.casting.closed == Closed::Yes;
             let group = self.group(&part.label, &part.surface, part.casting, closed);
             group.extend(model, part.triangles.clone(), Some(part));
         }
@@ -89,7 +109,7 @@ impl<'a> Groups<'a> {
         let triangles: Vec<usize> = asking.iter().flat_map(|part| part.triangles.clone()).collect();
         let mut mesh = Mesh::default();
         triangles.iter().for_each(|triangle| mesh.push(model, *triangle, None));
-        let found = occluders(&mesh, self.lattice).map_err(named(&first.label))?.closed_parts();
+        let found = occluders(&mesh, self.lattice).map_err(|e| named(&first.label)(e.into()))?.closed_parts();
         for (triangle, closed) in triangles.into_iter().zip(found.triangles()) {
             let group = self.group(&first.label, &first.surface, first.casting, *closed);
             group.extend(model, [triangle], None);
@@ -99,9 +119,11 @@ impl<'a> Groups<'a> {
 
     /// The group of those that cast so. What is said to be closed stays by itself, so that an error names it.
     fn group(&mut self, label: &'a str, surface: &'a Surface, casting: Casting, closed: bool) -> &mut Group<'a> {
-        let casting = Casting { receiver_layers: Casting::default().receiver_layers, ..casting };
+        // What has become of that is `closed`.
+        let said = if casting.closed == Closed::Yes { Closed::Yes } else { Closed::No };
+        let casting = Casting { receiver_layers: Casting::default().receiver_layers, closed: said, ..casting };
         let alike = |group: &Group<'_>| {
-            let named = casting.closed != Some(true) || group.label == label;
+            let named = said == Closed::No || group.label == label;
             group.surface.is_same(surface) && (group.casting, group.closed) == (casting, closed) && named
         };
         let place = self.groups.iter().position(alike).unwrap_or_else(|| {
@@ -119,9 +141,9 @@ impl Group<'_> {
         }
     }
 
-    fn caster(self, lattice: &Lattice) -> Result<Caster, InPart<CasterError>> {
+    fn caster(self, lattice: &Lattice) -> Result<Caster, InPart<PartError>> {
         let Self { label, surface, casting, closed, mesh } = self;
-        let caster = || {
+        let caster = || -> Result<Caster, PartError> {
             let (occluders, coordinates) = (occluders(&mesh, lattice)?, &mesh.coordinates);
             let caster = match surface {
                 Surface::Opaque | Surface::Absent => Caster::opaque(occluders),
@@ -132,9 +154,7 @@ impl Group<'_> {
                 Surface::Stained(tints) => Caster::stained(occluders, coordinates, tints.size, &tints.texels)?,
             };
             let caster = if closed { caster.closed()? } else { caster };
-            // What is too much for a u32 is too much for the library.
-            let offset = (casting.plane_offset / lattice.step()).round() as u32;
-            Ok(caster.with_plane_offset(offset)?.on_layers(casting.caster_layers))
+            Ok(caster.with_plane_offset(units(casting.plane_offset, lattice)?)?.on_layers(casting.caster_layers))
         };
         caster().map_err(named(label))
     }
@@ -159,7 +179,36 @@ fn occluders(mesh: &Mesh, lattice: &Lattice) -> Result<Occluders, CasterError> {
     Ok(Occluders::new(lattice, &mesh.vertices, &mesh.triangles)?)
 }
 
-fn named(label: &str) -> impl Fn(CasterError) -> InPart<CasterError> {
+/// An offset on the lattice: none is 0 that is not.
+fn units(offset: f64, lattice: &Lattice) -> Result<u32, PartError> {
+    let most = f64::from(MOST_OFFSET) * lattice.step();
+    match offset {
+        0.0 => Ok(0),
+        offset if offset <= most => Ok((offset / lattice.step()).round().max(1.0) as u32),
+        _ => Err(PartError::Offset { offset, most }),
+    }
+}
+
+/// Whether texture coordinates are ones that can be looked up, by their numbers in the part: those of a caster are of several parts.
+fn check_coordinates(model: &Model, part: &Part) -> Result<(), TextureError> {
+    let size = match &part.surface {
+        Surface::Cutout { alphas, .. } => alphas.size,
+        Surface::Stained(tints) => tints.size,
+        Surface::Opaque | Surface::Absent | Surface::Tinted(_) => return Ok(()),
+    };
+    let snap = |(index, at): (usize, &[f32; 2])| Coordinate::snap(index, Vec2::from(*at));
+    let snapped: Vec<Coordinate> = part.coordinates.iter().enumerate().map(snap).collect::<Result<_, _>>()?;
+    for (index, corners) in model.triangles.iter().skip(part.triangles.start).take(part.triangles.len()).enumerate() {
+        let at = corners.map(|vertex| snapped.get((vertex as usize).wrapping_sub(part.vertices.start)).copied());
+        // A vertex without coordinates is the library's to refuse.
+        if let [Some(a), Some(b), Some(c)] = at {
+            size.triangle(index, [a, b, c])?;
+        }
+    }
+    Ok(())
+}
+
+fn named(label: &str) -> impl Fn(PartError) -> InPart<PartError> {
     move |source| InPart { part: label.to_owned(), source }
 }
 
@@ -225,7 +274,6 @@ mod tests {
     fn what_is_opaque_needs_no_casters() {
         let (model, parts) = scene(&[Surface::Opaque, Surface::Opaque]);
         assert_eq!(build(&model, &parts).unwrap(), None);
-        // Found to be closed: no reason by itself.
         assert_eq!(build(&model, &changed(&parts, |_, part| part.one_sided = true)).unwrap(), None);
     }
 
@@ -247,7 +295,12 @@ mod tests {
             closed.map(|caster| caster.occluders().triangles().len()).collect::<Vec<_>>()
         };
         assert!(closed(&parts).is_empty());
-        let mut one_sided = changed(&parts, |_, part| part.one_sided = true);
+        // Nobody asks: receivers may be inside.
+        assert!(closed(&changed(&parts, |_, part| part.one_sided = true)).is_empty());
+        let asked = changed(&parts, |_, part| part.casting.closed = Closed::Found);
+        // What is seen from both sides bounds nothing.
+        assert!(closed(&asked).is_empty());
+        let mut one_sided = changed(&asked, |_, part| part.one_sided = true);
         // A surface with holes is not closed.
         assert_eq!(closed(&one_sided), [8]);
         let halves = |index: usize, part: &mut Part| {
@@ -261,9 +314,13 @@ mod tests {
         assert_eq!(closed(&one_sided), [4]);
         let apart = changed(&one_sided, |index, part| part.label = format!("node {index}"));
         assert!(closed(&apart).is_empty());
-        let said = changed(&parts, |_, part| part.casting.closed = Some(part.label == "node 1"));
+        let said = changed(&parts, |_, part| {
+            part.casting.closed = if part.label == "node 1" { Closed::Yes } else { Closed::No }
+        });
         assert_eq!(closed(&said), [4]);
-        let wrong = changed(&apart, |_, part| part.casting.closed = Some(part.label == "node 1"));
+        let wrong = changed(&apart, |_, part| {
+            part.casting.closed = if part.label == "node 1" { Closed::Yes } else { Closed::No }
+        });
         let message = build(&model, &wrong).unwrap_err();
         assert!(message.starts_with("node 1: the mesh is not closed: triangle"), "{message}");
     }
@@ -284,15 +341,28 @@ mod tests {
         assert_eq!(casters.iter().map(|caster| caster.layers().bits()).collect::<Vec<_>>(), [u32::MAX, 6]);
         assert_eq!(f64::from(casters[1].casting().offset) * lattice.step(), 0.015625);
         let message = build(&model, &offset(1e9)).unwrap_err();
-        assert!(message.starts_with("node 1: plane offset is 4294967295 lattice units, more than"), "{message}");
+        assert!(message.starts_with("node 1: field `plane_offset` is 1000000000: more than "), "{message}");
+        // One that is not 0 is not lost.
+        assert_eq!(build(&model, &offset(1e-12)).unwrap().unwrap()[1].casting().offset, 1);
     }
 
     #[test]
     fn bad_coordinates_name_the_part() {
-        let (model, parts) = scene(&[leaf()]);
-        let parts = changed(&parts, |_, part| part.coordinates[2] = [3e4, 0.0]);
-        let message = build(&model, &parts).unwrap_err();
-        assert!(message.starts_with("node 0: texture coordinate "), "{message}");
+        let leaf = leaf();
+        let (model, parts) = scene(&[leaf.clone(), leaf]);
+        let wrong = |coordinates: [f32; 2]| {
+            let only = |index, part: &mut Part| {
+                if index == 1 {
+                    part.coordinates[2] = coordinates
+                }
+            };
+            build(&model, &changed(&parts, only)).unwrap_err()
+        };
+        // The two are one caster.
+        let message = wrong([3e4, 0.0]);
+        assert!(message.starts_with("node 1: texture coordinate 2 has u = 30000"), "{message}");
+        let message = wrong([0.0, 16000.0]);
+        assert!(message.is_empty(), "{message}");
     }
 
     #[test]

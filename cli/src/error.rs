@@ -3,12 +3,13 @@
 use std::{fmt::Display, io};
 
 use umbra4_core::{LatticeError, LightError, accumulate::AccumulationError, emission::EmissionError};
-use umbra4_cpu::{CasterError, ExecutorError, SceneError};
+use umbra4_cpu::{ExecutorError, SceneError};
 use umbra4_wgpu::GpuError;
 
 use crate::{
     array_file::ArrayError,
     camera::CameraError,
+    casters::PartError,
     in_file::InFile,
     light::{InLight, SnapLightError},
     light_file::LightFileError,
@@ -45,7 +46,7 @@ pub enum ProgramError {
     /// A point that cannot be snapped.
     Scene(#[from] SceneError),
     /// A part of the scene that casts no shadow.
-    Caster(#[from] InPart<CasterError>),
+    Caster(#[from] InPart<PartError>),
     /// Something that only opaque surfaces which cast on everything have.
     #[error(
         "surfaces that are cut out or let light through, layers, plane offsets and closed meshes do not go with {with}"

@@ -13,7 +13,7 @@ use crate::{
     in_file::InFile,
     light::Light,
     light_file::{self, LightShape},
-    model::{self, FileLights, Furnished, Model, Parts},
+    model::{self, FileLights, Furnished, Model, ModelError, Parts},
     scene_file::{self, SceneFile},
     shade::{self, Look},
 };
@@ -101,6 +101,7 @@ impl Setting {
         if !scene_file::is_scene_file(path) {
             let lights = if option.is_none() { FileLights::Taken } else { FileLights::PassedOver };
             let Furnished { model, parts, lights, camera } = model::load_furnished(path, lights)?;
+            parts.check().map_err(|e| InFile::at(path)(ModelError::from(e)))?;
             return Ok(Self { model, parts, lights, camera: camera.unwrap_or_default(), ground: true });
         }
         if let Some(option) = option {

@@ -128,7 +128,7 @@ fn caster(json: &RawValue) -> Result<CasterSaid, CastingError> {
 /// Says of the parts of a model what a scene says of them.
 ///
 /// # Errors
-/// A name that none of them has; what does not go together.
+/// A name that none of them has; what does not go together, the model's own file included.
 pub fn cast(casters: &[CasterSaid], parts: &mut Parts, model: &Model) -> Result<(), SceneFileError> {
     for (index, CasterSaid { name, said }) in casters.iter().enumerate() {
         parts.cast(name.as_deref(), said, model).map_err(|reason| SceneFileError::Caster { index, reason })?;

@@ -131,6 +131,20 @@ fn layers_offsets_and_closed_meshes() {
     };
     let (as_ever, (said_so, said)) = (closed(""), closed(r#"{"closed":true}"#));
     assert!(as_ever.0 == said_so && said.contains("casters: 2 opaque, 1 of them closed"), "{said}");
+    // An OBJ file does not say that its surfaces have one side.
+    let (found, said) = closed(r#"{"closed":"found"}"#);
+    assert!(as_ever.0 == found && !said.contains("closed"), "{said}");
+}
+
+#[test]
+fn a_scene_file_has_the_last_word() {
+    let folder = Folder::new();
+    let mut document = card(json!({"alphaMode": "BLEND"}), &half());
+    document["materials"][0]["pbrMetallicRoughness"] = json!({"baseColorFactor": [1, 1, 1, 0.5]});
+    document["nodes"][0]["extras"] = json!({"umbra4_caster": {"plane_offset": 0.5}});
+    let (_, said) = render(&folder, &document, r#"{"name":"card","plane_offset":0}"#, "--view visibility");
+    assert!(said.contains("1 tinted"), "{said}");
+    folder.fail("render card.gltf -o p.exr --size 16x16", "node 0 'card': field `plane_offset` is 0.5");
 }
 
 #[test]

@@ -10,7 +10,8 @@
 //! triangle that faces the sample and by +1 at every one that faces the receiver. Where it is 0 at both ends (both lie outside),
 //! there are as many of one as of the other: a sample that any triangle blocks is blocked by one that faces away from it. So only
 //! those have to be looked at; they lie on the far side of the solid from the light, which does not shadow its own lit side then,
-//! however roughly that is tessellated. (All this of segments that meet no edge, and of samples in no triangle's plane.)
+//! however roughly that is tessellated. (All this of opaque triangles, of segments that meet no edge, and of samples in no triangle's
+//! plane. Through a hole that is cut out of the far side, light falls in from the near one.)
 //!
 //! Seed: Sintorn, Eisemann and Assarsson 2008, section 4.3, where shadow casters are the triangles that face away from the light.
 

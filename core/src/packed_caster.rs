@@ -20,9 +20,9 @@ pub struct PackedCaster<'a> {
     pub kind: SurfaceKind,
     /// Size of the texture; [`TextureSize::ONE`] without one.
     pub texture: TextureSize,
-    /// See [`crate::surface_words`]; as many words as [`SurfaceLayout::words`] says, of an opaque caster a one.
+    /// See [`crate::surface_words`]; as many words as [`SurfaceLayout::words`] says, of an opaque caster a one: it has no texture.
     pub surface: &'a [u32],
-    /// How the triangles cast.
+    /// How the triangles cast; of panes only [`Casting::default`] is taken.
     pub casting: Casting,
     /// The layers of receivers it matters to.
     pub layers: Layers,

@@ -15,10 +15,12 @@ use glam::IVec3;
 
 use crate::{
     doubt::{PairForms, PairIntegers},
-    edge_plane::{LightGrid, cross_magnitudes, float},
-    jitter::Place,
+    edge_plane::{LightGrid, ReceiverTile, cross_magnitudes, float},
+    jitter::{Place, Samples},
     lanes::Lanes,
+    occluder::Occluder,
     real::Real,
+    statistics::Tally,
     texture::{TextureSize, TexturedTriangle},
     view::SPARE,
     wide::multiply,
@@ -59,54 +61,62 @@ impl<R: Real> Weight<R> {
 }
 
 /// A receiver and a textured triangle: where its light samples are seen.
-#[derive(Clone, Copy)]
 pub(crate) struct TexelView<R> {
+    texture: TextureSize,
+    /// Its corners in the order of the planes.
+    triangle: TexturedTriangle,
     /// Of corners a, b, c.
     weights: [Weight<R>; 3],
     /// Of all three together.
     doubt: f32,
+    pair: PairIntegers,
+    forms: PairForms,
 }
 
 impl<R: Real> TexelView<R> {
-    /// Of a receiver, and corners in the order of their planes.
+    /// Of a lane's receiver, and an occluder that lies in a texture as `triangle` tells.
     #[inline(always)]
-    pub(crate) fn new(grid: &LightGrid, p: IVec3, [a, b, c]: [IVec3; 3]) -> Self {
+    pub(crate) fn new<S: Samples>(
+        grid: &LightGrid,
+        receivers: &ReceiverTile,
+        occluder: &Occluder,
+        lane: usize,
+        texture: TextureSize,
+        triangle: TexturedTriangle,
+    ) -> Self {
+        let pair = PairIntegers::new::<S>(&grid.light, receivers, occluder, lane, false);
+        let (p, [a, b, c]) = (pair.receiver, pair.corners);
         let weights = [Weight::new(grid, p, b, c), Weight::new(grid, p, c, a), Weight::new(grid, p, a, b)];
-        Self { weights, doubt: weights[0].doubt + weights[1].doubt + weights[2].doubt }
+        let doubt = weights[0].doubt + weights[1].doubt + weights[2].doubt;
+        let [x, x_a, x_b, x_c, y, y_a, y_b, y_c] = triangle;
+        let triangle = if occluder.is_swapped() { [x, x_a, x_c, x_b, y, y_a, y_c, y_b] } else { triangle };
+        Self { texture, triangle, weights, doubt, pair, forms: PairForms::NONE }
     }
 
-    /// The place in the texture of the texel that a sample is seen through. `triangle`: where the triangle lies in it, `swapped`: with
-    /// its last two corners changed. The sample is one that the triangle blocks.
+    /// Texels that were found in integers.
     #[inline(always)]
-    pub(crate) fn texel(
-        &self,
-        texture: &TextureSize,
-        triangle: &TexturedTriangle,
-        swapped: bool,
-        place: &Place,
-        pair: &mut PairIntegers,
-        forms: &mut PairForms,
-    ) -> u32 {
-        let (second, third) = if swapped { (3, 2) } else { (2, 3) };
+    pub(crate) fn fallbacks(&self) -> Tally {
+        self.pair.fallbacks
+    }
+
+    /// The place in the texture of the texel that a sample is seen through. The sample is one that the triangle blocks.
+    #[inline(always)]
+    pub(crate) fn texel(&mut self, place: &Place) -> u32 {
+        if self.texture.is_one() {
+            return 0;
+        }
         let w = [self.weights[0].at(place), self.weights[1].at(place), self.weights[2].at(place)];
         let sum =
             R::from_f32(0.0).plus(w[0], R::from_f32(1.0)).plus(w[1], R::from_f32(1.0)).plus(w[2], R::from_f32(1.0));
-        let x = self.along([triangle[1], triangle[second], triangle[third]], &w, sum, place, pair, forms);
-        let y = self.along([triangle[5], triangle[4 + second], triangle[4 + third]], &w, sum, place, pair, forms);
-        texture.place(triangle, [x, y])
+        let [_, x_a, x_b, x_c, _, y_a, y_b, y_c] = self.triangle;
+        let x = self.along([x_a, x_b, x_c], &w, sum, place);
+        let y = self.along([y_a, y_b, y_c], &w, sum, place);
+        self.texture.place(&self.triangle, [x, y])
     }
 
     /// Whole texels along one axis, of corners at `m`.
     #[inline(always)]
-    fn along(
-        &self,
-        m: [u32; 3],
-        w: &[R; 3],
-        sum: R,
-        place: &Place,
-        pair: &mut PairIntegers,
-        forms: &mut PairForms,
-    ) -> u32 {
+    fn along(&mut self, m: [u32; 3], w: &[R; 3], sum: R, place: &Place) -> u32 {
         let most = larger(m[0], larger(m[1], m[2]));
         let last = most >> 16;
         // All in one texel, as often in small triangles.
@@ -128,8 +138,8 @@ impl<R: Real> TexelView<R> {
         if from == to {
             return from;
         }
-        pair.fallbacks += 1;
-        texel_of(forms.weights(pair, place), m, last)
+        self.pair.fallbacks += 1;
+        texel_of(self.forms.weights(&self.pair, place), m, last)
     }
 }
 

@@ -25,7 +25,7 @@ use umbra4_core::{
 };
 use umbra4_cpu_kernels::{Detected, Kernels};
 
-use crate::{ExecutorError, executor::Answer, scatter::Scatter};
+use crate::{ExecutorError, block, executor::Answer, scatter::Scatter};
 
 /// How triangles and receivers are paired: the masks are the same bits, the time is not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -280,13 +280,7 @@ impl Cells {
                 || Box::new(empty.clone()),
                 |group, (tile, list)| {
                     (**group).clone_from(&empty);
-                    for (lane, &index) in tile.iter().enumerate() {
-                        let index = index as usize;
-                        match &input.keys[index] {
-                            Some(keys) => group.set(lane, input.points[index], keys),
-                            None => group.set_behind(lane, light),
-                        }
-                    }
+                    block::gather(group, light, input.points, input.keys, tile.iter().copied());
                     W::resolve_cell(input.isa, input.precision, &scene, list, group);
                     for (lane, &index) in tile.iter().enumerate() {
                         done(index as usize, group, lane);

@@ -2,6 +2,7 @@
 //! `umbra4-core`.
 
 mod arrangement;
+mod block;
 mod casters;
 mod closed;
 mod cloud;

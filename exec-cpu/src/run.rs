@@ -14,7 +14,6 @@ use umbra4_core::{
     proj4::Keys,
     stage::{
         Stage,
-        key_receivers::key_receivers,
         resolve::{Group, Occlusion},
         resolve_silhouette::SilhouetteRoom,
     },
@@ -22,7 +21,7 @@ use umbra4_core::{
 use umbra4_cpu_kernels::{Detected, Kernels};
 
 use crate::{
-    ExecutorError, Index, Occluders, Receivers, Statistics,
+    ExecutorError, Index, Occluders, Receivers, Statistics, block,
     executor::Answer,
     grid::{Cells, CellsInput},
     hierarchy::build_level_of,
@@ -146,22 +145,7 @@ impl<'a, W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, S, V> {
     }
 
     fn key_receivers(&mut self, first: usize, count: usize) {
-        let points = &self.receivers.points()[first..first + count];
-        (0..count)
-            .into_par_iter()
-            .map(|id| key_receivers(id, &self.grid.frame, &self.grid.light, points))
-            .collect_into_vec(&mut self.receiver_keys);
-    }
-
-    /// Receivers that face away are as good as behind the light.
-    fn settle_receivers(&mut self, first: usize) {
-        let (light, receivers) = (&self.grid.light, self.receivers);
-        self.receiver_keys.par_iter_mut().enumerate().for_each(|(id, keys)| {
-            let index = first + id;
-            if receivers.facing_of(index).is_away_from(light, receivers.points()[index]) {
-                *keys = None;
-            }
-        });
+        block::key(&self.grid, &self.receivers.points()[first..][..count], &mut self.receiver_keys);
     }
 
     fn resolve(&mut self, first: usize) {
@@ -174,7 +158,7 @@ impl<'a, W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, S, V> {
         let silhouette = self.silhouette.as_ref().map(|silhouette| silhouette.scene(scene));
         let light = &self.grid.light;
         let (How { isa, precision, .. }, samples, visit) = (self.how, self.samples, self.visit);
-        let (points, keys) = (self.receivers.points(), &self.receiver_keys);
+        let (points, keys) = (&self.receivers.points()[first..], &self.receiver_keys);
         let total = Mutex::new(Counts::default());
         let empty = Group::<W>::empty(light.rows);
         self.receiver_order.par_chunks(TILE * GROUPS_A_JOB).for_each_init(
@@ -183,13 +167,7 @@ impl<'a, W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, S, V> {
                 let mut counts = Counts::default();
                 for entries in job.chunks(TILE) {
                     group.clear(light.rows);
-                    for (lane, entry) in entries.iter().enumerate() {
-                        let index = entry.index as usize;
-                        match &keys[index] {
-                            Some(keys) => group.set(lane, points[first + index], keys),
-                            None => group.set_behind(lane, light),
-                        }
-                    }
+                    block::gather(group, light, points, keys, entries.iter().map(|entry| entry.index));
                     match &silhouette {
                         Some(scene) => W::resolve_silhouette(isa, precision, scene, samples, group, room),
                         None => W::resolve(isa, precision, &scene, samples, group),
@@ -263,7 +241,7 @@ impl<W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W
             Stage::BuildLevel => self.build_level(first),
             Stage::FindSilhouette => self.find_silhouette(),
             Stage::KeyReceivers => self.key_receivers(first, count),
-            Stage::SettleReceivers => self.settle_receivers(first),
+            Stage::SettleReceivers => block::settle(&self.grid.light, self.receivers, first, &mut self.receiver_keys),
             Stage::OrderReceivers => self.receiver_order = ordered(&self.grid.frame, &self.receiver_keys, |keys| *keys),
             Stage::Resolve => self.resolve(first),
             Stage::DefineFrame | Stage::BinReceivers | Stage::BinTriangles | Stage::ResolveCells => {

@@ -57,13 +57,21 @@ pub enum SmoothError {
         /// Number of triangles.
         triangles: usize,
     },
-    /// A barycentric coordinate is not in `0.0..=1.0`.
-    #[error("receiver {index} has barycentric coordinates {barycentric:?}: not all in 0..=1")]
+    /// A barycentric coordinate is not in `0.0..=1.0`, or their sum is not 1.
+    #[error("receiver {index} has barycentric coordinates {barycentric:?}: not all in 0..=1, or not with a sum of 1")]
     Barycentric {
         /// Index of the receiver.
         index: usize,
         /// The coordinates given.
         barycentric: [f32; 3],
+    },
+    /// A point of the light is not finite.
+    #[error("point {index} of the light is {point}: not finite")]
+    Light {
+        /// Its index.
+        index: usize,
+        /// The point given.
+        point: DVec3,
     },
     /// There are more values of vertices, or fewer, than vertices.
     #[error("{count} least cosines for {vertices} vertices")]
@@ -80,7 +88,7 @@ pub enum SmoothError {
 pub struct OnTriangle {
     /// Index of the triangle.
     pub triangle: u32,
-    /// Barycentric coordinates, of its corners in order: each in `0.0..=1.0`, their sum 1 but for rounding.
+    /// Barycentric coordinates, of its corners in order: each in `0.0..=1.0`, their sum 1 to within [`SmoothMesh::SUM`].
     pub barycentric: [f32; 3],
 }
 
@@ -95,6 +103,9 @@ pub struct SmoothMesh<'a> {
 }
 
 impl<'a> SmoothMesh<'a> {
+    /// How far from 1 the sum of barycentric coordinates may be: a hundred times what rounding leaves of 1.
+    pub const SUM: f32 = 1e-5;
+
     /// A mesh with the normals of its vertices, of any length.
     ///
     /// ```
@@ -136,7 +147,7 @@ impl<'a> SmoothMesh<'a> {
     /// ([`crate::Receivers::on_surfaces`]).
     ///
     /// # Errors
-    /// The first receiver on no triangle, or with barycentric coordinates outside `0.0..=1.0`.
+    /// The first receiver on no triangle, or with barycentric coordinates that are not taken ([`SmoothError::Barycentric`]).
     pub fn lifted(&self, receivers: &[OnTriangle]) -> Result<Vec<Vec3>, SmoothError> {
         let corners = self.corners_of(receivers)?;
         let of = |(at, corners): (&OnTriangle, &[u32; 3])| {
@@ -148,7 +159,13 @@ impl<'a> SmoothMesh<'a> {
 
     /// The least cosine of every vertex, over the faces around it and over points of a light (its middle, or its corners). Vertices in
     /// the same place share their faces. Faces without area have no part in it; 1 where there are no others.
-    pub fn least_cosines(&self, light: &[DVec3]) -> Vec<f32> {
+    ///
+    /// # Errors
+    /// The first point that is not finite.
+    pub fn least_cosines(&self, light: &[DVec3]) -> Result<Vec<f32>, SmoothError> {
+        if let Some((index, point)) = light.iter().enumerate().find(|(_, point)| !point.is_finite()) {
+            return Err(SmoothError::Light { index, point: *point });
+        }
         let mut first = HashMap::new();
         let same: Vec<usize> = self
             .vertices
@@ -168,7 +185,7 @@ impl<'a> SmoothMesh<'a> {
                 }
             }
         }
-        same.into_iter().map(|vertex| least[vertex]).collect()
+        Ok(same.into_iter().map(|vertex| least[vertex]).collect())
     }
 
     /// The least cosines of vertices at receivers: what [`umbra4_core::terminator::coherent`] takes.
@@ -189,7 +206,8 @@ impl<'a> SmoothMesh<'a> {
     fn corners_of(&self, receivers: &[OnTriangle]) -> Result<Vec<[u32; 3]>, SmoothError> {
         let of = |(index, at): (usize, &OnTriangle)| {
             let OnTriangle { triangle, barycentric } = *at;
-            if !barycentric.iter().all(|b| (0.0..=1.0).contains(b)) {
+            let sum: f32 = barycentric.iter().sum();
+            if !barycentric.iter().all(|b| (0.0..=1.0).contains(b)) || (sum - 1.0).abs() > Self::SUM {
                 return Err(SmoothError::Barycentric { index, barycentric });
             }
             let absent = SmoothError::NoTriangle { index, triangle, triangles: self.triangles.len() };

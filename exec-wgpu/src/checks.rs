@@ -11,6 +11,7 @@ use umbra4_core::{
     mesh::MeshParams,
     plane_offset::MOST_OFFSET,
     snap::SnapParams,
+    surface_words::SurfaceKind,
     texture::{MOST_TEXELS, TextureError, TextureSize},
 };
 use wgpu::{
@@ -142,6 +143,21 @@ pub(crate) fn caster(caster: &PackedCaster<'_>) -> Result<(), GpuError> {
     }
     if caster.casting.offset > MOST_OFFSET {
         return refuse("casting.offset", caster.casting.offset, "at most 2^26 lattice units");
+    }
+    match caster.kind {
+        SurfaceKind::Tinted if caster.casting.closed => {
+            return refuse("casting.closed", true, "panes have no inside");
+        }
+        SurfaceKind::Tinted if caster.casting.offset > 0 => {
+            return refuse("casting.offset", caster.casting.offset, "panes stay where they are");
+        }
+        SurfaceKind::Opaque if !caster.texture.is_one() => {
+            return refuse("texture", format!("{width}×{height}"), "opaque casters have none");
+        }
+        SurfaceKind::Opaque if caster.surface.first().is_some_and(|word| word & 1 == 0) => {
+            return refuse("surface[0]", 0, "a one, of an opaque caster");
+        }
+        _ => {}
     }
     let words = caster.layout().words(caster.kind);
     match words.filter(|words| caster.surface.len() == *words as usize) {

@@ -178,6 +178,14 @@ pub enum GpuError {
         /// Casters there are.
         casters: usize,
     },
+    /// One of several casters is refused.
+    #[error("caster {place}: {source}")]
+    Caster {
+        /// Its place.
+        place: usize,
+        /// What is wrong with it.
+        source: Box<GpuError>,
+    },
     /// The texture of a caster is refused.
     #[error(transparent)]
     Texture(#[from] TextureError),

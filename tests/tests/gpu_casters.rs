@@ -3,7 +3,11 @@
 
 use libtest_mimic::Failed;
 use umbra4_core::{
-    Layers, PackedCaster, PairWord, emission::Emission, emission::Weight, glam::IVec3, surface_words::SurfaceKind,
+    Layers, PackedCaster, PairWord,
+    emission::{Emission, Weight},
+    glam::IVec3,
+    stage::key_triangles::Casting,
+    surface_words::SurfaceKind,
     texture::TextureSize,
 };
 use umbra4_cpu::CpuWord;
@@ -148,14 +152,23 @@ fn refusals(executor: &WgpuExecutor, _: &str) -> Result<(), Failed> {
         columns: 4,
         jitter: umbra4_core::Jitter::NONE,
     };
-    let refused =
-        |caster: PackedCaster<'_>| executor.index_casters(&[caster], &light).map(|_| ()).expect_err("it is refused");
-    let no_texels = TextureSize { width: 0, ..TextureSize::ONE };
-    assert!(refused(PackedCaster { texture: no_texels, ..plain }).to_string().contains("width is 0"));
-    let too_few = refused(PackedCaster { surface: &[], ..plain });
-    assert!(matches!(too_few, GpuError::Field { ref field, .. } if field == "surface.len()"), "{too_few}");
-    let tinted = refused(PackedCaster { kind: SurfaceKind::Tinted, ..plain });
-    assert!(matches!(tinted, GpuError::Field { .. }), "{tinted}");
+    let refused = |caster: PackedCaster<'_>, words: &str| {
+        let all = executor.index_casters(&[plain, caster], &light).map(|_| ()).expect_err("it is refused").to_string();
+        assert!(all.starts_with("caster 1: ") && all.contains(words), "{all}: no {words}");
+        let mut index = executor.index_casters(&[plain], &light).expect("it is fine");
+        let one = executor.index_caster(&mut index, 0, &caster).map(|_| ()).expect_err("it is refused").to_string();
+        assert!(all == format!("caster 1: {one}"), "{all}, but {one}");
+    };
+    let size = |width, height| TextureSize { width, height, ..TextureSize::ONE };
+    refused(PackedCaster { texture: size(0, 1), ..plain }, "width is 0");
+    refused(PackedCaster { surface: &[], ..plain }, "surface.len()");
+    refused(PackedCaster { surface: &[0], ..plain }, "surface[0]");
+    refused(PackedCaster { texture: size(4, 8), ..plain }, "4×8");
+    let pane = PackedCaster { kind: SurfaceKind::Tinted, surface: &[0, 1], ..plain };
+    executor.index_casters(&[pane], &light)?;
+    refused(PackedCaster { surface: &[1], ..pane }, "surface.len()");
+    refused(PackedCaster { casting: Casting { closed: true, offset: 0 }, ..pane }, "casting.closed");
+    refused(PackedCaster { casting: Casting { closed: false, offset: 7 }, ..pane }, "casting.offset");
     let mut index = executor.index_casters(&[plain], &light)?;
     assert_eq!(
         executor.index_caster(&mut index, 1, &plain).expect_err("it is refused"),
@@ -166,6 +179,13 @@ fn refusals(executor: &WgpuExecutor, _: &str) -> Result<(), Failed> {
         executor.caster_masks::<u16>(&index, few).expect_err("it is refused"),
         GpuError::LayerCount { layers: 1, receivers: 2 }
     );
+    // A texture of one texel that is clear cuts all of it out.
+    let seen = LatticeReceivers::from(&[IVec3::new(8, 8, -64)][..]);
+    for (surface, lit) in [(&[0], 16), (&[1], 0)] {
+        let leaf = PackedCaster { kind: SurfaceKind::Cutout, surface, ..plain };
+        let leaf = executor.index_casters(&[leaf], &light)?;
+        assert_eq!(executor.caster_lit_counts(&leaf, seen)?.0, [lit]);
+    }
     // What was refused has changed nothing.
     assert_eq!(executor.caster_lit_counts(&index, &[IVec3::new(8, 8, -64)])?.0.len(), 1);
     Ok(())

@@ -131,7 +131,9 @@ fn receivers_that_the_coarse_sphere_shadows() {
     let lifted = mesh.lifted(&scene.places).expect("all are on it");
     let plain = scene.visibility(&scene.flat);
     let moved = scene.visibility(&lifted);
-    let bends = mesh.bends(&mesh.least_cosines(&[lamp().center()]), &scene.places).expect("all are on it");
+    let bends = mesh
+        .bends(&mesh.least_cosines(&[lamp().center()]).expect("it is finite"), &scene.places)
+        .expect("all are on it");
     let (mut lit, mut shadowed, mut shadowed_lifted, mut facing, mut darker, mut darker_lifted) = (0, 0, 0, 0, 0, 0);
     let (mut lost, mut most) = ([0.0; 3], [0.0_f64; 3]);
     for r in 0..plain.len() {
@@ -182,7 +184,8 @@ fn coherent_shading_is_black_where_a_triangle_faces_away() {
     let scene = scene();
     let (mesh, lamp) = (scene.mesh(), lamp());
     for light in [vec![lamp.center()], lamp.corners().to_vec()] {
-        let bends = mesh.bends(&mesh.least_cosines(&light), &scene.places).expect("all are on it");
+        let bends =
+            mesh.bends(&mesh.least_cosines(&light).expect("it is finite"), &scene.places).expect("all are on it");
         let (mut away, mut shaded) = (0, 0);
         for (at, bend) in scene.places.iter().zip(&bends) {
             let triangle = scene.triangles[at.triangle as usize];
@@ -203,7 +206,7 @@ fn coherent_shading_is_black_where_a_triangle_faces_away() {
 fn coherent_shading_goes_over_edges_smoothly() {
     let scene = scene();
     let mesh = scene.mesh();
-    let least = mesh.least_cosines(&[lamp().center()]);
+    let least = mesh.least_cosines(&[lamp().center()]).expect("it is finite");
     let mut edges = 0;
     for (t, s) in (0..scene.triangles.len()).flat_map(|t| (0..t).map(move |s| (t, s))) {
         let [of_t, of_s] = [t, s].map(|t| corners(&scene.vertices, scene.triangles[t]));
@@ -235,7 +238,7 @@ fn coherent_shading_goes_over_edges_smoothly() {
 fn least_cosines_are_those_of_all_pairs() {
     let scene = scene();
     for light in [vec![lamp().center()], lamp().corners().to_vec()] {
-        let found = scene.mesh().least_cosines(&light);
+        let found = scene.mesh().least_cosines(&light).expect("it is finite");
         for (vertex, found) in scene.vertices.iter().zip(&found) {
             let place = vertex.as_dvec3();
             let around = scene.triangles.iter().filter(|t| corners(&scene.vertices, **t).contains(&place));
@@ -250,7 +253,9 @@ fn least_cosines_are_those_of_all_pairs() {
     // A vertex of no triangle, and one of a triangle without area.
     let vertices = [Vec3::ZERO, Vec3::X, Vec3::X * 2.0, Vec3::Y];
     let mesh = SmoothMesh::new(&vertices, &[[0, 1, 2]], &[Vec3::Y; 4]).expect("it is fine");
-    assert_eq!(mesh.least_cosines(&[DVec3::Z]), [1.0; 4]);
+    assert_eq!(mesh.least_cosines(&[DVec3::Z]).as_deref(), Ok(&[1.0; 4][..]));
+    let nowhere = DVec3::new(0.0, f64::INFINITY, 0.0);
+    assert_eq!(mesh.least_cosines(&[DVec3::Z, nowhere]), Err(SmoothError::Light { index: 1, point: nowhere }));
 }
 
 #[test]
@@ -308,7 +313,7 @@ fn what_is_refused() {
     assert_eq!(mesh.lifted(&[fine, absent]), Err(none));
     assert_eq!(mesh.bends(&[0.0; 3], &[fine, absent]), Err(none));
     assert_eq!(mesh.bends(&[0.0; 2], &[fine]), Err(SmoothError::CosineCount { count: 2, vertices: 3 }));
-    for barycentric in [[0.5, f32::NAN, 0.5], [1.5, -0.5, 0.0]] {
+    for barycentric in [[0.5, f32::NAN, 0.5], [1.5, -0.5, 0.0], [0.0; 3], [1.0; 3], [0.5, 0.4999, 0.0]] {
         let outside = OnTriangle { barycentric, ..fine };
         let refused = mesh.lifted(&[outside]);
         assert!(matches!(refused, Err(SmoothError::Barycentric { index: 0, .. })), "{refused:?}");

@@ -18,7 +18,7 @@ use crate::{
     executor::{AnyExecutor, Report, Scene},
     in_file::InFile,
     light_file,
-    model::{self, FileLights, Furnished},
+    model::{self, FileLights, Furnished, ModelError},
     output::{Prepared, prepare},
 };
 
@@ -27,6 +27,7 @@ pub(super) fn run(args: &MasksArgs) -> Result<(), ProgramError> {
     let jitter = args.jitter.map_or(Jitter::NONE, Jitter::pattern);
     let light = light_file::read(&args.light)?.sampled(args.samples)?.with_jitter(jitter);
     let Furnished { model, parts, .. } = model::load_furnished_f64(&args.model, FileLights::PassedOver)?;
+    parts.check().map_err(|e| InFile::at(&args.model)(ModelError::from(e)))?;
     let points = array_file::read_points(&args.receivers)?;
 
     let lattice = lattice_around(model.vertices.iter().chain(&points), &light)?;

@@ -1,5 +1,11 @@
 //! Who is in the shadow of a part, in whose shadow it is, and how far from its plane its shadow begins.
 
+use std::fmt::{self, Formatter};
+
+use serde::{
+    Deserialize, Deserializer,
+    de::{self, Visitor},
+};
 use serde_json::value::RawValue;
 use umbra4_core::Layers;
 
@@ -14,8 +20,45 @@ pub struct Casting {
     pub receiver_layers: Layers,
     /// How far towards the light its shadow begins, world units, 0 at least.
     pub plane_offset: f64,
-    /// Whether its mesh is one that is closed. Where nothing is said, that is found out of surfaces with one side.
-    pub closed: Option<bool>,
+    /// Whether only its triangles cast whose back is to the light.
+    pub closed: Closed,
+}
+
+/// Whether only those triangles of a part cast whose back is to the light, as of a mesh that bounds a volume.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Closed {
+    /// All cast.
+    #[default]
+    No,
+    /// It is closed: an error where it is not.
+    Yes,
+    /// Where it is found to be closed, opaque, and has one side only.
+    Found,
+}
+
+impl<'de> Deserialize<'de> for Closed {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Said;
+        impl Visitor<'_> for Said {
+            type Value = Closed;
+
+            fn expecting(&self, f: &mut Formatter<'_>) -> fmt::Result {
+                f.write_str("true, false or \"found\"")
+            }
+
+            fn visit_bool<E: de::Error>(self, said: bool) -> Result<Closed, E> {
+                Ok(if said { Closed::Yes } else { Closed::No })
+            }
+
+            fn visit_str<E: de::Error>(self, said: &str) -> Result<Closed, E> {
+                match said {
+                    "found" => Ok(Closed::Found),
+                    other => Err(E::invalid_value(de::Unexpected::Str(other), &self)),
+                }
+            }
+        }
+        deserializer.deserialize_any(Said)
+    }
 }
 
 /// What a file says about that.
@@ -27,8 +70,8 @@ pub struct CastingSaid {
     pub receiver_layers: Option<Layers>,
     /// How far towards the light its shadow begins, world units.
     pub plane_offset: Option<f64>,
-    /// Whether its mesh is one that is closed.
-    pub closed: Option<bool>,
+    /// Whether only its triangles cast whose back is to the light.
+    pub closed: Option<Closed>,
 }
 
 /// Why it is refused.
@@ -106,7 +149,7 @@ impl CastingSaid {
             caster_layers: self.caster_layers.unwrap_or(before.caster_layers),
             receiver_layers: self.receiver_layers.unwrap_or(before.receiver_layers),
             plane_offset: self.plane_offset.unwrap_or(before.plane_offset),
-            closed: self.closed.or(before.closed),
+            closed: self.closed.unwrap_or(before.closed),
         }
     }
 }
@@ -143,7 +186,7 @@ mod tests {
         let said = read(r#"{"caster_layers":[0,31,0],"receiver_layers":[],"plane_offset":0,"closed":true}"#).unwrap();
         let casting = said.over(Casting::default());
         let caster_layers = Layers::from_bits(1 << 31 | 1);
-        let closed = Some(true);
+        let closed = Closed::Yes;
         assert_eq!(casting, Casting { caster_layers, receiver_layers: Layers::NONE, plane_offset: 0.0, closed });
         assert_eq!(read("{}").unwrap().over(casting), casting);
     }
@@ -157,6 +200,10 @@ mod tests {
             (r#"{"receiver_layers":[0.5]}"#, "field `receiver_layers[0]` is 0.5: not a layer"),
             (r#"{"caster_layers":3}"#, "field `caster_layers`: invalid type"),
             (r#"{"closed":1}"#, "field `closed`: invalid type"),
+            (
+                r#"{"closed":"maybe"}"#,
+                "field `closed`: invalid value: string \"maybe\", expected true, false or \"found\"",
+            ),
             (r#"{"plane_offset":-0.5}"#, "field `plane_offset` is -0.5: not a distance, 0 at least"),
             (r#"{"plane_offset":1e999}"#, "field `plane_offset`: number out of range"),
             (r#"{"offset":1}"#, "field `offset` is unknown"),

@@ -32,7 +32,7 @@ use crate::{
     light::{InLight, Light},
 };
 
-pub use casting::{Casting, CastingError, CastingSaid, InPart};
+pub use casting::{Casting, CastingError, CastingSaid, Closed, InPart};
 pub use gltf_pictures::PictureError;
 pub use material_error::{CoordinatesError, InMaterial, MaterialError, TextureError, TextureName};
 pub use part::{Part, Parts};
@@ -150,7 +150,7 @@ pub fn load_f64(path: &Path) -> Result<Model<DVec3>, InFile<ModelError>> {
     parse_file(path).map_err(InFile::at(path))
 }
 
-/// As [`load`], with what the file says beyond triangles.
+/// As [`load`], with what the file says beyond triangles. Whether that goes together is asked of [`Parts::check`], once all has been said.
 ///
 /// # Errors
 /// See [`ModelError`].
@@ -170,7 +170,6 @@ pub fn load_furnished_f64(path: &Path, lights: FileLights) -> Result<Furnished<D
     let parse = || {
         let furnished = gltf::parse_furnished(&fs::read(path)?, path, lights)?;
         check(&furnished.model)?;
-        furnished.parts.check()?;
         Ok(furnished)
     };
     parse().map_err(InFile::at(path))

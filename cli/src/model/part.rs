@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use umbra4_core::glam::DVec3;
 
-use super::{Casting, CastingError, InPart, Model, Surface};
+use super::{Casting, CastingError, Closed, InPart, Model, Surface};
 
 /// A run of triangles of a model.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,7 +21,7 @@ pub struct Part {
     pub coordinates: Vec<[f32; 2]>,
     /// What it does to light.
     pub surface: Surface,
-    /// Whether only its front is seen: where it is closed, it casts no shadow on itself from there.
+    /// Whether only its front is seen.
     pub one_sided: bool,
     /// Who is in its shadow, and in whose it is.
     pub casting: Casting,
@@ -50,7 +50,7 @@ impl Parts {
     }
 
     /// Whether all of them are opaque, cast on everything and are in the shadow of everything, so that nobody has to tell
-    /// them apart. What is closed casts the same shadows either way, and makes no difference unless a file says so.
+    /// them apart.
     pub fn is_plain(&self) -> bool {
         self.0.iter().all(|part| part.surface == Surface::Opaque && part.casting == Casting::default())
     }
@@ -89,7 +89,7 @@ impl Parts {
         for part in self.0.iter().filter(|part| part.surface.is_tinted()) {
             let wrong = match part.casting {
                 Casting { plane_offset, .. } if plane_offset > 0.0 => CastingError::OffsetOfTinted(plane_offset),
-                Casting { closed: Some(true), .. } => CastingError::ClosedTinted,
+                Casting { closed: Closed::Yes, .. } => CastingError::ClosedTinted,
                 _ => continue,
             };
             return Err(InPart { part: part.label.clone(), source: wrong });
@@ -169,13 +169,13 @@ mod tests {
         let receiver_layers = Layers::from_bits(2);
         assert_eq!(castings[0], Casting { receiver_layers, ..Casting::default() });
         let caster_layers = Layers::from_bits(4);
-        assert_eq!(castings[1], Casting { caster_layers, receiver_layers, plane_offset: 0.5, closed: None });
+        assert_eq!(castings[1], Casting { caster_layers, receiver_layers, plane_offset: 0.5, closed: Closed::No });
         assert!(!parts.is_plain() && parts.check().is_ok());
         let missing = parts.cast(Some("c"), &said, &model).unwrap_err().to_string();
         assert_eq!(missing, "no node or mesh of the model is called 'c'");
         parts.0[1].surface = Surface::Tinted(umbra4_core::glam::Vec3::X);
         assert!(parts.check().unwrap_err().to_string().starts_with("node 'b': field `plane_offset` is 0.5"));
-        parts.0[1].casting = Casting { closed: Some(true), ..Casting::default() };
+        parts.0[1].casting = Casting { closed: Closed::Yes, ..Casting::default() };
         assert!(parts.check().unwrap_err().to_string().starts_with("node 'b': field `closed` is true"));
     }
 
@@ -183,7 +183,7 @@ mod tests {
     fn a_model_without_parts_becomes_one() {
         let model = Model { vertices: Vec::new(), triangles: vec![[0; 3]; 9] };
         let mut parts = Parts::default();
-        parts.cast(None, &CastingSaid { closed: Some(true), ..CastingSaid::default() }, &model).unwrap();
-        assert_eq!(parts.of(8).unwrap().casting.closed, Some(true));
+        parts.cast(None, &CastingSaid { closed: Some(Closed::Yes), ..CastingSaid::default() }, &model).unwrap();
+        assert_eq!(parts.of(8).unwrap().casting.closed, Closed::Yes);
     }
 }

@@ -9,7 +9,7 @@ use crate::{
     kernel::{
         fetch,
         light_params::LightParams,
-        resolve::{DeviceWord, Ordered, STOPPED, is_stopped, ordered, tell_if_stopped},
+        resolve::{DeviceWord, Ordered, STOPPED, is_stopped, load_mask, ordered, store_mask},
         store,
     },
     layers::Layers,
@@ -19,7 +19,7 @@ use crate::{
     params::{CasterParams, PassParams},
     proj4::{KeyTile, Keys, NOTHING},
     row_mask::is_full,
-    stage::{add_tint, key_receivers, key_triangles, resolve::Group, resolve_cutout},
+    stage::{add_tint, key_triangles, resolve::Group, resolve_cutout},
     tint::Depth,
 };
 use glam::IVec3;
@@ -42,12 +42,12 @@ impl LightParams for CasterParams {
 
     #[inline(always)]
     fn receiver(&self, p: IVec3) -> Option<Keys> {
-        key_receivers::keys_of(&self.params.frame(), &self.params.light(), p)
+        self.params.receiver(p)
     }
 
     #[inline(always)]
     fn is_behind(&self, facing: Facing, p: IVec3) -> bool {
-        facing.is_away_from(&self.params.light(), p)
+        self.params.is_behind(facing, p)
     }
 }
 
@@ -67,6 +67,19 @@ pub fn select_receivers(id: usize, params: &CasterParams, order: &[Entry], layer
     store(selected, id, entry);
 }
 
+/// Index and place of the `id`-th receiver in the order of a block, unless no triangle matters to it.
+#[inline(always)]
+fn shadowed(id: usize, pass: &PassParams, order: &[Entry], receivers: &[[i32; 3]]) -> Option<(usize, IVec3)> {
+    if id >= pass.count as usize {
+        return None;
+    }
+    let Ordered { index, is_settled, point } = ordered(id, pass, order, receivers);
+    match point {
+        Some(p) if !is_settled => Some((index, p)),
+        _ => None,
+    }
+}
+
 /// The `id`-th receiver in the order of a block: what an alpha-tested caster, or one with an offset, blocks is added to its mask. See
 /// [`super::resolve::resolve`] for the triangles under one node, and for threads that are stopped.
 #[inline(always)]
@@ -83,24 +96,11 @@ pub fn resolve_cutout<W: DeviceWord, S: Samples>(
     masks: &mut [u32],
 ) {
     let pass = params.pass();
-    if id >= pass.count as usize {
-        return;
-    }
-    let Ordered { index, is_settled, point } = ordered(id, &pass, order, receivers);
-    let Some(p) = point else { return };
-    if is_settled {
-        return;
-    }
+    let Some((index, p)) = shadowed(id, &pass, order, receivers) else { return };
     let (grid, levels) = (params.params.grid(), params.params.levels());
-    let rows = grid.light.rows as usize;
     let mut group = Group::<W>::empty(grid.light.rows);
     group.set(0, p, &fetch(keys, index, NOTHING));
-    let halves = pass.stride < grid.light.rows;
-    let mut k = 0;
-    while k < pass.stride as usize {
-        W::load(&mut group.masks[0], k, halves, fetch(masks, index * pass.stride as usize + k, 0));
-        k += 1;
-    }
+    load_mask(&mut group.masks[0], &pass, grid.light.rows, index, masks);
     if is_full(&group.masks[0], grid.light.columns) {
         return;
     }
@@ -110,12 +110,7 @@ pub fn resolve_cutout<W: DeviceWord, S: Samples>(
     resolve_cutout::resolve_among::<f32, W, S>(
         &grid, samples, &levels, root, nodes, occluders, surface, &layout, offset, &mut group, &mut room,
     );
-    k = 0;
-    while k < pass.stride as usize {
-        store(masks, index * pass.stride as usize + k, W::stored(&group.masks[0], rows, k, halves));
-        k += 1;
-    }
-    tell_if_stopped(pass.rounds, k >= pass.stride as usize, masks);
+    store_mask(&group.masks[0], &pass, grid.light.rows, index, masks);
 }
 
 /// The `id`-th receiver in the order of a block: what a tinted caster puts before its light samples is added to their depths. `depths`
@@ -134,14 +129,7 @@ pub fn add_tint<S: Samples>(
     depths: &mut [Depth],
 ) {
     let pass = params.pass();
-    if id >= pass.count as usize {
-        return;
-    }
-    let Ordered { index, is_settled, point } = ordered(id, &pass, order, receivers);
-    let Some(p) = point else { return };
-    if is_settled {
-        return;
-    }
+    let Some((index, p)) = shadowed(id, &pass, order, receivers) else { return };
     let (grid, levels) = (params.params.grid(), params.params.levels());
     let mut group = Group::<PairWord>::empty(grid.light.rows);
     group.set(0, p, &fetch(keys, index, NOTHING));

@@ -12,7 +12,7 @@ use crate::{
     params::{Params, PassParams},
     precision::PrecisionMode,
     proj4::{KeyTile, Keys, NOTHING},
-    row_mask::is_full,
+    row_mask::{MaskRows, is_full},
     stage::resolve::{Group, resolve_among},
 };
 
@@ -100,7 +100,6 @@ pub fn resolve<W: DeviceWord, P: PrecisionMode, S: Samples>(
         return (usize::MAX, [0; 4]);
     }
     let (grid, levels) = (params.grid(), params.levels());
-    let rows = grid.light.rows as usize;
     let Ordered { index, is_settled, point } = ordered(id, &pass, order, receivers);
     let mut group = Group::<W>::empty(grid.light.rows);
     let own = fetch(keys, index, NOTHING);
@@ -108,29 +107,19 @@ pub fn resolve<W: DeviceWord, P: PrecisionMode, S: Samples>(
         Some(p) if !is_settled => group.set(0, p, &own),
         _ => group.set_behind(0, &grid.light),
     }
-    let halves = pass.stride < grid.light.rows;
-    let mut k = 0;
     if pass.elements > 0 {
         // One that no triangle matters to has its mask, whatever that is.
         if is_settled {
             return (index, [0; 4]);
         }
-        while k < pass.stride as usize {
-            W::load(&mut group.masks[0], k, halves, fetch(masks, index * pass.stride as usize + k, 0));
-            k += 1;
-        }
+        load_mask(&mut group.masks[0], &pass, grid.light.rows, index, masks);
         if is_full(&group.masks[0], grid.light.columns) {
             return (index, [0; 4]);
         }
-        k = 0;
     }
     let root = Root { level: pass.level as usize, tile: pass.base };
     resolve_among::<f32, W, P, S>(&grid, samples, &levels, root, nodes, occluders, &mut group);
-    while k < pass.stride as usize {
-        store(masks, index * pass.stride as usize + k, W::stored(&group.masks[0], rows, k, halves));
-        k += 1;
-    }
-    tell_if_stopped(pass.rounds, k >= pass.stride as usize, masks);
+    store_mask(&group.masks[0], &pass, grid.light.rows, index, masks);
     let c = group.counts;
     (index, [c.pairs_tested as u32, c.pairs_kept as u32, c.pairs_relevant as u32, c.fallbacks as u32])
 }
@@ -151,6 +140,39 @@ pub fn resolve_counted<W: DeviceWord, P: PrecisionMode, S: Samples>(
 ) {
     let (index, own) = resolve::<W, P, S>(id, params, samples, receivers, keys, order, occluders, nodes, masks);
     add_counts(params.pass().elements, index, own, counts);
+}
+
+/// Reads the mask of a receiver, by its index in the block.
+#[inline(always)]
+pub(super) fn load_mask<W: DeviceWord>(
+    mask: &mut MaskRows<W>,
+    pass: &PassParams,
+    rows: u32,
+    index: usize,
+    masks: &[u32],
+) {
+    let mut k = 0;
+    while k < pass.stride as usize {
+        W::load(mask, k, pass.stride < rows, fetch(masks, index * pass.stride as usize + k, 0));
+        k += 1;
+    }
+}
+
+/// Writes the mask of a receiver, by its index in the block; and tells if a driver has stopped the thread.
+#[inline(always)]
+pub(super) fn store_mask<W: DeviceWord>(
+    mask: &MaskRows<W>,
+    pass: &PassParams,
+    rows: u32,
+    index: usize,
+    masks: &mut [u32],
+) {
+    let mut k = 0;
+    while k < pass.stride as usize {
+        store(masks, index * pass.stride as usize + k, W::stored(mask, rows as usize, k, pass.stride < rows));
+        k += 1;
+    }
+    tell_if_stopped(pass.rounds, k >= pass.stride as usize, masks);
 }
 
 /// A receiver, by its place in the order of a block.

@@ -8,7 +8,6 @@
 #![allow(clippy::too_many_arguments)]
 
 use crate::{
-    doubt::{PairForms, PairIntegers},
     edge_plane::LightGrid,
     hierarchy::{Levels, Root},
     jitter::Samples,
@@ -19,7 +18,8 @@ use crate::{
     proj4::KeyTile,
     row_mask::MASK_ROWS,
     stage::{
-        cover::{self, KeptPairs},
+        cover,
+        kept_pairs::KeptPairs,
         resolve::{Group, Meeting, Occlusion},
     },
     surface_words::SurfaceLayout,
@@ -79,45 +79,61 @@ pub fn add_among<L: Lanes, W: MaskWord, S: Samples>(
     let mut meeting = Meeting::<L::Long>::new::<L, W, Exact>(grid, group);
     cover::start(room, group, true);
     let light = &grid.light;
-    while let Some((place, kept)) = pairs.next::<L, W>(nodes, group) {
-        if place >= occluders.len() {
+    while let Some(tile) = pairs.next_tile::<L, W>(light.columns, nodes, group) {
+        if tile >= nodes.len() {
             return tinted;
         }
-        let occluder = &occluders[place];
-        let mut covered = cover::cover::<L, W, S>(grid, samples, &mut meeting, occluder, 0, kept, room);
-        tinted |= covered;
-        while covered != 0 {
-            let lane = covered.trailing_zeros() as usize % TILE;
-            covered &= covered - 1;
-            let triangle = layout.triangle(surface, occluder.index());
-            let mut pair = PairIntegers::new::<S>(light, &group.receivers, occluder, lane, true);
-            let view = TexelView::<L::Long>::new(grid, pair.receiver, pair.corners);
-            let mut forms = PairForms::NONE;
-            let mut row = 0;
-            while row < light.rows as usize && row < MASK_ROWS {
-                // What is blocked already matters to nobody.
-                let mut left = room.masks[lane][row].without(group.masks[lane][row]);
-                room.masks[lane][row] = W::EMPTY;
-                while left != W::EMPTY {
-                    let column = left.lowest();
-                    left = left.without(W::span(column, column + 1));
-                    let mut texel = 0;
-                    if !layout.texture.is_one() {
-                        let at = samples.place(row, column as usize);
-                        texel =
-                            view.texel(&layout.texture, &triangle, occluder.is_swapped(), &at, &mut pair, &mut forms);
-                    }
-                    let sample = row * light.columns as usize + column as usize;
-                    let at = first + lane * light.sample_count() as usize + sample;
-                    if at < depths.len() {
-                        depths[at] = depths[at].and(layout.depth(surface, texel));
-                    }
-                }
-                row += 1;
+        let keys = &nodes[tile];
+        while let Some((place, kept)) = pairs.next::<L, W>(keys, group) {
+            if place >= occluders.len() {
+                return tinted;
             }
-            group.counts.fallbacks += pair.fallbacks;
+            let occluder = &occluders[place];
+            let covered = cover::cover::<L, W, S>(grid, samples, &mut meeting, occluder, 0, kept, room);
+            put_before::<L, W, S>(grid, samples, surface, layout, occluder, covered, group, room, depths, first);
+            tinted |= covered;
         }
     }
     group.counts.fallbacks += core::mem::take(&mut room.counts.fallbacks);
     tinted
+}
+
+/// Adds the depths of a triangle's texels where it covers light samples, as `room` has it. `covered`: lanes of which it covers anything.
+#[inline(always)]
+fn put_before<L: Lanes, W: MaskWord, S: Samples>(
+    grid: &LightGrid,
+    samples: &S,
+    surface: &[u32],
+    layout: &SurfaceLayout,
+    occluder: &Occluder,
+    mut covered: u32,
+    group: &mut Group<W>,
+    room: &mut Group<W>,
+    depths: &mut [Depth],
+    first: usize,
+) {
+    let (light, triangle) = (&grid.light, layout.triangle(surface, occluder.index()));
+    while covered != 0 {
+        let lane = covered.trailing_zeros() as usize % TILE;
+        covered &= covered - 1;
+        let mut view = TexelView::<L::Long>::new::<S>(grid, &group.receivers, occluder, lane, layout.texture, triangle);
+        let mut row = 0;
+        while row < light.rows as usize && row < MASK_ROWS {
+            // What is blocked already matters to nobody.
+            let mut left = room.masks[lane][row].without(group.masks[lane][row]);
+            room.masks[lane][row] = W::EMPTY;
+            while left != W::EMPTY {
+                let column = left.lowest();
+                left = left.without(W::span(column, column + 1));
+                let texel = view.texel(&samples.place(row, column as usize));
+                let sample = row * light.columns as usize + column as usize;
+                let at = first + lane * light.sample_count() as usize + sample;
+                if at < depths.len() {
+                    depths[at] = depths[at].and(layout.depth(surface, texel));
+                }
+            }
+            row += 1;
+        }
+        group.counts.fallbacks += view.fallbacks();
+    }
 }

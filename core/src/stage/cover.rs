@@ -7,62 +7,15 @@
 use crate::{
     doubt::{PairForms, PairIntegers},
     edge_plane::LightGrid,
-    hierarchy::{Levels, Root, Walk},
     jitter::Samples,
     lanes::{Lanes, TILE},
     mask_word::MaskWord,
     occluder::Occluder,
     plane_offset::between_planes,
     precision::Exact,
-    proj4::{KeyTile, Keys, NODE},
     row_mask::MASK_ROWS,
     stage::resolve::{Group, Meeting},
-    statistics::Tally,
 };
-
-/// Walks the pairs of a group and the triangles of a hierarchy that pass the full-coverage test.
-pub(crate) struct KeptPairs {
-    walk: Walk,
-    need: Keys,
-    tile: u32,
-    bits: u32,
-}
-
-impl KeptPairs {
-    /// Of the receivers that are active now.
-    #[inline(always)]
-    pub(crate) fn new<L: Lanes, W: MaskWord>(levels: &Levels, root: Root, nodes: &[KeyTile], group: &Group<W>) -> Self {
-        let need = group.needs.least::<L>(group.active);
-        Self { walk: Walk::new::<L>(levels, root, nodes, &need), need, tile: 0, bits: 0 }
-    }
-
-    /// The next triangle's place, and the receivers that keep it.
-    #[inline(always)]
-    pub(crate) fn next<L: Lanes, W: MaskWord>(
-        &mut self,
-        nodes: &[KeyTile],
-        group: &mut Group<W>,
-    ) -> Option<(usize, u32)> {
-        loop {
-            while self.bits != 0 {
-                let entry = self.bits.trailing_zeros() as usize;
-                self.bits &= self.bits - 1;
-                if self.tile as usize >= nodes.len() {
-                    return None;
-                }
-                group.counts.pairs_tested += Tally::from(group.active.count_ones());
-                let keys = nodes[self.tile as usize].entry(entry);
-                let kept = group.needs.dominated_by::<L>(&keys) & group.active;
-                if kept != 0 {
-                    group.counts.pairs_kept += Tally::from(kept.count_ones());
-                    return Some((self.tile as usize * NODE + entry, kept));
-                }
-            }
-            let (tile, bits) = self.walk.next::<L>(nodes, &self.need)?;
-            (self.tile, self.bits) = (tile, bits);
-        }
-    }
-}
 
 /// Makes `cover` a group of the same receivers, with nothing covered. Its masks are empty already.
 #[inline(always)]

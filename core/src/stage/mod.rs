@@ -6,6 +6,7 @@
 pub mod add_tint;
 pub mod build_level;
 mod cover;
+mod kept_pairs;
 pub mod key_receivers;
 pub mod key_triangles;
 pub mod reduce;

@@ -13,7 +13,7 @@ use crate::{
     doubt::PairIntegers,
     edge_plane::{LightGrid, Lines, PairPlanes, ReceiverTile},
     exact::{self, Wide},
-    hierarchy::{Levels, Root, Walk},
+    hierarchy::{Levels, Root},
     jitter::{Regular, Samples},
     jittered_rows::{self, Limits},
     lanes::{Lanes, TILE},
@@ -22,10 +22,11 @@ use crate::{
     occluder::Occluder,
     outline::{Outlines, Seen},
     precision::PrecisionMode,
-    proj4::{KeyTile, Keys, NODE, NeedTile},
+    proj4::{KeyTile, Keys, NeedTile},
     real::Real,
     row_mask::{self, Ends, MASK_ROWS, MaskRows},
     side::Sides,
+    stage::kept_pairs::KeptPairs,
     statistics::{Counts, Tally},
     view::View,
 };
@@ -187,35 +188,21 @@ pub(crate) fn descend<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples>(
     occluders: &[Occluder],
     group: &mut Group<W>,
 ) {
-    let need = group.needs.least::<L>(group.active);
-    let mut walk = Walk::new::<L>(levels, root, nodes, &need);
-    if !walk.is_open() {
+    let mut pairs = KeptPairs::new::<L, W>(levels, root, nodes, group);
+    if !pairs.is_open() {
         return;
     }
     let mut meeting = Meeting::<L::Long>::new::<L, W, P>(grid, group);
-    while let Some((tile, mut bits)) = walk.next::<L>(nodes, &need) {
-        if tile as usize >= nodes.len() {
+    while let Some(tile) = pairs.next_tile::<L, W>(grid.light.columns, nodes, group) {
+        if tile >= nodes.len() {
             return;
         }
-        let keys = &nodes[tile as usize];
-        while bits != 0 {
-            let entry = bits.trailing_zeros() as usize;
-            bits &= bits - 1;
-            group.counts.pairs_tested += Tally::from(group.active.count_ones());
-            let kept = group.needs.dominated_by::<L>(&keys.entry(entry)) & group.active;
-            if kept == 0 {
-                continue;
-            }
-            group.counts.pairs_kept += Tally::from(kept.count_ones());
-            let place = tile as usize * NODE + entry;
+        let keys = &nodes[tile];
+        while let Some((place, kept)) = pairs.next::<L, W>(keys, group) {
             if place >= occluders.len() {
                 return;
             }
             meeting.meet::<L, W, P, S>(grid, samples, &occluders[place], kept, group);
-        }
-        drop_full(grid.light.columns, group);
-        if group.active == 0 {
-            return;
         }
     }
 }

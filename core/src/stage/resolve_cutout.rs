@@ -7,7 +7,6 @@
 #![allow(clippy::too_many_arguments)]
 
 use crate::{
-    doubt::{PairForms, PairIntegers},
     edge_plane::LightGrid,
     hierarchy::{Levels, Root},
     jitter::Samples,
@@ -18,7 +17,8 @@ use crate::{
     proj4::KeyTile,
     row_mask::MASK_ROWS,
     stage::{
-        cover::{self, KeptPairs},
+        cover,
+        kept_pairs::KeptPairs,
         resolve::{Group, Meeting, Occlusion, drop_full},
     },
     surface_words::SurfaceLayout,
@@ -72,50 +72,66 @@ pub fn resolve_among<L: Lanes, W: MaskWord, S: Samples>(
     let mut pairs = KeptPairs::new::<L, W>(levels, root, nodes, group);
     let mut meeting = Meeting::<L::Long>::new::<L, W, Exact>(grid, group);
     cover::start(room, group, false);
-    while let Some((place, kept)) = pairs.next::<L, W>(nodes, group) {
-        if place >= occluders.len() {
+    while let Some(tile) = pairs.next_tile::<L, W>(grid.light.columns, nodes, group) {
+        if tile >= nodes.len() {
             return;
         }
-        let occluder = &occluders[place];
-        let mut covered = cover::cover::<L, W, S>(grid, samples, &mut meeting, occluder, offset, kept, room);
-        while covered != 0 {
-            let lane = covered.trailing_zeros() as usize % TILE;
-            covered &= covered - 1;
-            let triangle = layout.triangle(surface, occluder.index());
-            let mut pair = PairIntegers::new::<S>(&grid.light, &group.receivers, occluder, lane, false);
-            let view = TexelView::<L::Long>::new(grid, pair.receiver, pair.corners);
-            let mut forms = PairForms::NONE;
-            let (mut relevant, mut row) = (false, 0);
-            while row < grid.light.rows as usize && row < MASK_ROWS {
-                let mut left = room.masks[lane][row].without(group.masks[lane][row]);
-                room.masks[lane][row] = W::EMPTY;
-                let mut found = left;
-                if !layout.texture.is_one() {
-                    found = W::EMPTY;
-                    while left != W::EMPTY {
-                        let column = left.lowest();
-                        let bit = W::span(column, column + 1);
-                        left = left.without(bit);
-                        let at = samples.place(row, column as usize);
-                        let texel =
-                            view.texel(&layout.texture, &triangle, occluder.is_swapped(), &at, &mut pair, &mut forms);
-                        if layout.is_opaque(surface, texel) {
-                            found = found.or(bit);
-                        }
-                    }
-                }
-                relevant |= found != W::EMPTY;
-                group.masks[lane][row] = group.masks[lane][row].or(found);
-                row += 1;
+        let keys = &nodes[tile];
+        while let Some((place, kept)) = pairs.next::<L, W>(keys, group) {
+            if place >= occluders.len() {
+                return;
             }
-            group.counts.fallbacks += pair.fallbacks;
-            group.tell(lane, relevant);
-        }
-        drop_full(grid.light.columns, group);
-        if group.active == 0 {
-            break;
+            let occluder = &occluders[place];
+            let covered = cover::cover::<L, W, S>(grid, samples, &mut meeting, occluder, offset, kept, room);
+            cut_out::<L, W, S>(grid, samples, surface, layout, occluder, covered, group, room);
+            // A pair costs more here than to look whether masks are full.
+            drop_full(grid.light.columns, group);
         }
     }
     group.counts.fallbacks += core::mem::take(&mut room.counts.fallbacks);
     group.sum_relevant();
+}
+
+/// Adds to the masks of a group what a triangle covers, as `room` has it, where its texels are opaque. `covered`: lanes of which it
+/// covers anything.
+#[inline(always)]
+fn cut_out<L: Lanes, W: MaskWord, S: Samples>(
+    grid: &LightGrid,
+    samples: &S,
+    surface: &[u32],
+    layout: &SurfaceLayout,
+    occluder: &Occluder,
+    mut covered: u32,
+    group: &mut Group<W>,
+    room: &mut Group<W>,
+) {
+    let triangle = layout.triangle(surface, occluder.index());
+    while covered != 0 {
+        let lane = covered.trailing_zeros() as usize % TILE;
+        covered &= covered - 1;
+        let mut view = TexelView::<L::Long>::new::<S>(grid, &group.receivers, occluder, lane, layout.texture, triangle);
+        let (mut relevant, mut row) = (false, 0);
+        while row < grid.light.rows as usize && row < MASK_ROWS {
+            let mut left = room.masks[lane][row].without(group.masks[lane][row]);
+            room.masks[lane][row] = W::EMPTY;
+            let mut found = W::EMPTY;
+            if !layout.texture.is_one() {
+                while left != W::EMPTY {
+                    let column = left.lowest();
+                    let bit = W::span(column, column + 1);
+                    left = left.without(bit);
+                    if layout.is_opaque(surface, view.texel(&samples.place(row, column as usize))) {
+                        found = found.or(bit);
+                    }
+                }
+            } else if layout.is_opaque(surface, 0) {
+                found = left;
+            }
+            relevant |= found != W::EMPTY;
+            group.masks[lane][row] = group.masks[lane][row].or(found);
+            row += 1;
+        }
+        group.counts.fallbacks += view.fallbacks();
+        group.tell(lane, relevant);
+    }
 }

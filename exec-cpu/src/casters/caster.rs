@@ -179,7 +179,8 @@ impl Caster {
 
     /// The same mesh as one that is closed: only triangles cast that face away from the light, told for every light sample (Sintorn,
     /// Eisemann and Assarsson 2008, section 3.3). Half the triangles, and the same masks for receivers outside of the mesh (samples
-    /// that are seen exactly through an edge aside); receivers inside see out through its back.
+    /// that are seen exactly through an edge aside); receivers inside see out through its back. With a texture that
+    /// is cut out the masks are others: light that falls in through the near side leaves by a hole in the far one.
     ///
     /// Whether the mesh is closed is found out, exactly: vertices at the same place of the lattice are one.
     /// [`Occluders::closed_parts`] tells which parts of a mesh are.

@@ -8,12 +8,12 @@ use umbra4_core::{
     lanes::TILE,
     order::Entry,
     proj4::Keys,
-    stage::{Stage, key_receivers::key_receivers, resolve::Group},
+    stage::{Stage, resolve::Group},
     tint::Depth,
 };
 use umbra4_cpu_kernels::{CasterKernels, Detected, Kernels};
 
-use crate::{CasterIndex, Receivers, Statistics, casters::index::IndexedCaster, order::ordered};
+use crate::{CasterIndex, Receivers, Statistics, block, casters::index::IndexedCaster, order::ordered};
 
 /// Groups a job.
 const GROUPS_A_JOB: usize = 16;
@@ -85,21 +85,11 @@ where
     }
 
     fn key_receivers(&mut self, first: usize, count: usize) {
-        let (grid, points) = (&self.index.grid, &self.receivers.points()[first..first + count]);
-        (0..count)
-            .into_par_iter()
-            .map(|id| key_receivers(id, &grid.frame, &grid.light, points))
-            .collect_into_vec(&mut self.keys);
+        block::key(&self.index.grid, &self.receivers.points()[first..][..count], &mut self.keys);
     }
 
     fn settle_receivers(&mut self, first: usize) {
-        let (light, receivers) = (&self.index.grid.light, self.receivers);
-        self.keys.par_iter_mut().enumerate().for_each(|(id, keys)| {
-            let index = first + id;
-            if receivers.facing_of(index).is_away_from(light, receivers.points()[index]) {
-                *keys = None;
-            }
-        });
+        block::settle(&self.index.grid.light, self.receivers, first, &mut self.keys);
     }
 
     /// Puts the receivers in order, and into groups.
@@ -110,7 +100,7 @@ where
         while self.groups.len() < self.filled {
             self.groups.push(Shadowed { group: Group::empty(light.rows), depths: Vec::new(), tinted: 0 });
         }
-        let (points, keys) = (self.receivers.points(), &self.keys);
+        let (points, keys) = (&self.receivers.points()[first..], &self.keys);
         let samples = light.sample_count() as usize;
         let groups = self.groups.par_iter_mut().zip(self.order.par_chunks(TILE)).with_min_len(GROUPS_A_JOB);
         groups.for_each(|(shadowed, entries)| {
@@ -121,13 +111,7 @@ where
                 }
             }
             shadowed.tinted = 0;
-            for (lane, entry) in entries.iter().enumerate() {
-                let index = entry.index as usize;
-                match &keys[index] {
-                    Some(keys) => shadowed.group.set(lane, points[first + index], keys),
-                    None => shadowed.group.set_behind(lane, light),
-                }
-            }
+            block::gather(&mut shadowed.group, light, points, keys, entries.iter().map(|entry| entry.index));
         });
     }
 

@@ -8,11 +8,12 @@ use umbra4_core::{
         resolve::stride,
         weigh::{PackedWeight, packed},
     },
+    order::Entry,
     proj4::NODE,
     stage::reduce,
     tint::{Depth, TRANSMITTANCES},
 };
-use wgpu::{Buffer, Device};
+use wgpu::Buffer;
 
 use crate::{
     CasterIndex, GpuError, LatticeReceivers, LatticeScene, Statistics, WgpuExecutor,
@@ -54,12 +55,15 @@ impl WgpuExecutor {
     /// Indexes casters for one light, on the device. Casters are certified always, whatever the executor's precision.
     ///
     /// # Errors
-    /// A surface that is not packed as its kind and texture ask for; a buffer that is larger than the device can bind; the device fails.
+    /// The first caster that is refused, by its place: a surface that is not packed as its kind and texture ask for, panes that are closed
+    /// or offset, a buffer that is larger than the device can bind. The device fails.
     pub fn index_casters(&self, casters: &[PackedCaster<'_>], light: &LatticeLight) -> Result<CasterIndex, GpuError> {
         let (casters, _) = self.with_work(|recorder, _| {
-            let one =
-                |caster| IndexedCaster::new(&self.gpu, recorder, light, caster, Scratch::default(), &mut Vec::new());
-            casters.iter().map(one).collect()
+            let one = |(place, caster)| {
+                IndexedCaster::new(&self.gpu, recorder, light, caster, Scratch::default(), &mut Vec::new())
+                    .map_err(|source| GpuError::Caster { place, source: Box::new(source) })
+            };
+            casters.iter().enumerate().map(one).collect()
         })?;
         Ok(CasterIndex { light: *light, casters })
     }
@@ -67,7 +71,7 @@ impl WgpuExecutor {
     /// Indexes one caster again, as it is now, in the place of the `place`-th: the others' parts stay as they are. Returns what it took.
     ///
     /// # Errors
-    /// There is no such place; as [`WgpuExecutor::index_casters`]. The index is as it was then, but for a device that failed.
+    /// There is no such place; a caster that [`WgpuExecutor::index_casters`] refuses. The index is as it was then, but for a device that failed.
     pub fn index_caster(
         &self,
         index: &mut CasterIndex,
@@ -202,16 +206,15 @@ impl WgpuExecutor {
         let count = receivers.points.len() as u64;
         let samples = u64::from(light.sample_count());
         let of_block = u64::from(facts.block.min(facts.receivers));
-        let mut fit = |wanted: bool, what, elements: u64, size: Fit| match wanted {
-            true => size.of(scratch, device, what, elements).map(Some),
-            false => Ok(None),
-        };
-        let own = CasterBuffers {
-            layers: fit(casters.layered, "layers", count, Fit::Word)?,
-            selected: fit(casters.layered, "selected receivers", of_block, Fit::Pair)?,
-            depths: fit(casters.tinted > 0, "depths of samples", of_block * samples + 1, Fit::Pair)?,
-            transmittances: fit(casters.tinted > 0, "transmittances", TRANSMITTANCES.len() as u64, Fit::Word)?,
-        };
+        let mut own = CasterBuffers::default();
+        if casters.layered {
+            own.layers = Some(scratch.fit::<u32>(device, "layers", count)?);
+            own.selected = Some(scratch.fit::<Entry>(device, "selected receivers", of_block)?);
+        }
+        if casters.tinted > 0 {
+            own.depths = Some(scratch.fit::<Depth>(device, "depths of samples", of_block * samples + 1)?);
+            own.transmittances = Some(scratch.fit::<u32>(device, "transmittances", TRANSMITTANCES.len() as u64)?);
+        }
         if let Some(weights) = weights {
             let of_weights = scratch.fit::<PackedWeight>(device, "weights", weights.len() as u64)?;
             let sums = scratch.fit::<[u32; 3]>(device, "weighed light", count)?;
@@ -271,22 +274,6 @@ impl WgpuExecutor {
         match &submit(&self.gpu, recorder, &[(from, 0, bytes)], &mut Vec::new())?[..] {
             [copy] => read(&self.gpu.device, copy),
             _ => Ok(Vec::new()),
-        }
-    }
-}
-
-/// Elements of a buffer.
-#[derive(Clone, Copy)]
-enum Fit {
-    Word,
-    Pair,
-}
-
-impl Fit {
-    fn of(self, scratch: &mut Scratch, device: &Device, what: &'static str, count: u64) -> Result<Buffer, GpuError> {
-        match self {
-            Self::Word => scratch.fit::<u32>(device, what, count),
-            Self::Pair => scratch.fit::<[u32; 2]>(device, what, count),
         }
     }
 }

@@ -26,7 +26,7 @@ use crate::{
 };
 
 /// Buffers of a run that only casters ask for.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct CasterBuffers {
     /// Those of receivers, where there are any.
     pub(crate) layers: Option<Buffer>,
