@@ -180,11 +180,11 @@ fn refusals(executor: &WgpuExecutor, _: &str) -> Result<(), Failed> {
         GpuError::LayerCount { layers: 1, receivers: 2 }
     );
     // A texture of one texel that is clear cuts all of it out.
-    let seen = LatticeReceivers::from(&[IVec3::new(8, 8, -64)][..]);
+    let seen = [IVec3::new(8, 8, -64)];
     for (surface, lit) in [(&[0], 16), (&[1], 0)] {
         let leaf = PackedCaster { kind: SurfaceKind::Cutout, surface, ..plain };
         let leaf = executor.index_casters(&[leaf], &light)?;
-        assert_eq!(executor.caster_lit_counts(&leaf, seen)?.0, [lit]);
+        assert_eq!(executor.caster_lit_counts(&leaf, &seen)?.0, [lit]);
     }
     // What was refused has changed nothing.
     assert_eq!(executor.caster_lit_counts(&index, &[IVec3::new(8, 8, -64)])?.0.len(), 1);
