@@ -1,8 +1,7 @@
 //! Which triangles of a mesh share which sides: found once, and good for as long as only vertices move.
 
-use std::collections::HashMap;
-
 use rayon::prelude::*;
+use rustc_hash::{FxBuildHasher, FxHashMap};
 use umbra4_core::{glam::IVec3, occluder::Facing};
 
 use crate::open_sides::{MOST_TRIANGLES, Side};
@@ -42,7 +41,7 @@ impl Neighbours {
         if triangles.len() > MOST_TRIANGLES {
             return Self::default();
         }
-        let mut first = HashMap::with_capacity(vertices.len());
+        let mut first = FxHashMap::with_capacity_and_hasher(vertices.len(), FxBuildHasher);
         let classes = vertices.iter().zip(before).zip(0..);
         let stands_for: Vec<u32> =
             classes.map(|((vertex, class), index)| *first.entry((*class, *vertex)).or_insert(index)).collect();

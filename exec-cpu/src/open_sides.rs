@@ -1,8 +1,7 @@
 //! The sides of triangles that no neighbour cancels: the boundary of the chain of `umbra4_core::silhouette`.
 
-use std::collections::HashMap;
-
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 use umbra4_core::occluder::Facing;
 
 use crate::Occluders;
@@ -71,7 +70,7 @@ pub(crate) fn open_sides(scene: &Occluders, facings: &[Facing]) -> Vec<Side> {
         .collect();
     // By index first, which leaves few to be looked up by place.
     let left = summed(vertices.len(), &left);
-    let mut first = HashMap::new();
+    let mut first = FxHashMap::default();
     let mut merged = |vertex: u32| *first.entry(vertices[vertex as usize]).or_insert(vertex);
     let left: Vec<Side> = left.iter().map(|side| Side::new(merged(side.from), merged(side.to), side.right)).collect();
     summed(vertices.len(), &left)

@@ -1,8 +1,7 @@
 //! The shadow terminator of coarse meshes, for all receivers of a mesh: see [`umbra4_core::terminator`].
 
-use std::collections::HashMap;
-
 use rayon::prelude::*;
+use rustc_hash::FxHashMap;
 use thiserror::Error;
 use umbra4_core::{
     glam::{DVec3, Vec3},
@@ -166,7 +165,7 @@ impl<'a> SmoothMesh<'a> {
         if let Some((index, point)) = light.iter().enumerate().find(|(_, point)| !point.is_finite()) {
             return Err(SmoothError::Light { index, point: *point });
         }
-        let mut first = HashMap::new();
+        let mut first = FxHashMap::default();
         let same: Vec<usize> = self
             .vertices
             .iter()
