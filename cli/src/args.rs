@@ -263,6 +263,17 @@ impl SceneArgs {
         Self { builtin: Some(Builtin::Court), ..Self::default() }
     }
 
+    /// What the scene is called: its file, or that it is built in.
+    pub fn name(&self) -> String {
+        match &self.model {
+            Some(path) => path.display().to_string(),
+            None => {
+                let name = self.builtin.unwrap_or_default().to_possible_value();
+                format!("the built-in scene {}", name.as_ref().map_or("", |name| name.get_name()))
+            }
+        }
+    }
+
     /// Width and height of the picture.
     pub fn pixels(&self) -> (u32, u32) {
         let SizeArgs { size, width, height } = &self.size;
