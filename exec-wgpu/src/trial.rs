@@ -36,7 +36,9 @@ pub(crate) fn run(gpu: &Gpu) -> Result<(), Lack> {
     let right = |(p, mask): (&IVec3, &[u64])| {
         let blocked = |triangle, row, column| exact::blocks::<Wide>(light, *p, triangle, row, column);
         let expected = |row| {
-            let bit = |column| vertices.chunks_exact(3).any(|corners| blocked([corners[0], corners[1], corners[2]], row, column));
+            let bit = |column| {
+                vertices.chunks_exact(3).any(|corners| blocked([corners[0], corners[1], corners[2]], row, column))
+            };
             (0..light.columns).fold(0, |word, column| word | u64::from(bit(column)) << column)
         };
         (0..light.rows).zip(mask).all(|(row, word)| *word == expected(row))

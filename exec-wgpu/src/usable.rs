@@ -155,7 +155,9 @@ mod tests {
         };
         let lacks = lacks(&named(Backend::Metal, DeviceType::IntegratedGpu), &limits);
         let [buffers, threads] = &lacks[..] else { panic!("{lacks:?}") };
-        assert!(matches!(buffers, Lack::Limit { limit: "max_storage_buffers_per_shader_stage", has: 4, needs } if *needs > 4));
+        assert!(
+            matches!(buffers, Lack::Limit { limit: "max_storage_buffers_per_shader_stage", has: 4, needs } if *needs > 4)
+        );
         let (has, needs) = (u64::from(WORKGROUP) - 1, u64::from(WORKGROUP));
         assert_eq!(*threads, Lack::Limit { limit: "max_compute_invocations_per_workgroup", has, needs });
         let both = Listed(&lacks).to_string();

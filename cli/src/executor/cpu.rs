@@ -49,11 +49,7 @@ impl Processor {
         Ok((lit, statistics.into()))
     }
 
-    pub(super) fn light(
-        &self,
-        (occluders, light, receivers): Scene<'_>,
-        emission: &Weights,
-    ) -> Answer<Vec<[u32; 3]>> {
+    pub(super) fn light(&self, (occluders, light, receivers): Scene<'_>, emission: &Weights) -> Answer<Vec<[u32; 3]>> {
         let (lit, statistics) = self.0.light(occluders, light, receivers, emission)?;
         Ok((lit, statistics.into()))
     }

@@ -1,5 +1,7 @@
 //! GPUs, through `umbra4-wgpu`.
 
+mod quiet;
+
 use std::{
     io::{self, Write},
     time::Instant,
@@ -15,9 +17,10 @@ use umbra4_wgpu::{
 use crate::{
     args::{MachineArgs, PrecisionArg},
     error::ProgramError,
-    executor::{AnyExecutor, Answer, Report, Scene, cpu::Processor},
+    executor::{Answer, AnyExecutor, Report, Scene, cpu::Processor},
     light::Weights,
 };
+use quiet::quietly;
 
 /// A GPU: calls as of [`super::AnyExecutor`].
 pub struct Graphics {
@@ -28,7 +31,7 @@ pub struct Graphics {
 
 /// The GPU that the command line names, or the best if there is one; a software driver only by name.
 pub(super) fn open(machine: &MachineArgs, precision: PrecisionArg) -> Result<AnyExecutor, GpuError> {
-    Ok(on(Gpu::open(&choice(machine))?, precision))
+    Ok(on(opened(machine)?, precision))
 }
 
 /// Whether the options about GPUs can be followed: they can.
@@ -41,8 +44,9 @@ fn on(gpu: Gpu, precision: PrecisionArg) -> AnyExecutor {
     AnyExecutor::Gpu(Box::new(Graphics { gpu, cpu: Processor::new(precision) }))
 }
 
-fn choice(machine: &MachineArgs) -> Choice {
-    machine.adapter.clone().map_or(Choice::Hardware, Choice::Named)
+fn opened(machine: &MachineArgs) -> Result<Gpu, GpuError> {
+    let choice = machine.adapter.clone().map_or(Choice::Hardware, Choice::Named);
+    quietly(|| Gpu::open(&choice))
 }
 
 /// Writes a line for every adapter: what it is, and what it lacks if it cannot be used.
@@ -50,7 +54,7 @@ fn choice(machine: &MachineArgs) -> Choice {
 /// # Errors
 /// `out` is closed.
 pub fn write_adapters(out: &mut impl Write) -> io::Result<()> {
-    let adapters = adapters();
+    let adapters = quietly(adapters);
     if adapters.is_empty() {
         writeln!(out, "GPUs             none")?;
     }
@@ -77,7 +81,7 @@ impl Device {
     /// # Errors
     /// The one that is named cannot be opened.
     pub fn open(machine: &MachineArgs) -> Result<Self, ProgramError> {
-        match Gpu::open(&choice(machine)) {
+        match opened(machine) {
             Ok(gpu) => Ok(Self::Open(gpu)),
             Err(error) if machine.adapter.is_none() => Ok(Self::Missing(error.to_string())),
             Err(error) => Err(error.into()),
@@ -126,8 +130,7 @@ impl Graphics {
         (occluders, light, receivers): Scene<'_>,
     ) -> Answer<Vec<f32>> {
         let receivers = LatticeReceivers { points: receivers.points(), facings: receivers.facings(), layers: &[] };
-        let (visibility, statistics) =
-            self.gpu.visibility_by(technique, &on_lattice(occluders), light, receivers)?;
+        let (visibility, statistics) = self.gpu.visibility_by(technique, &on_lattice(occluders), light, receivers)?;
         Ok((visibility, statistics.into()))
     }
 
@@ -136,11 +139,7 @@ impl Graphics {
         Ok((lit, statistics.into()))
     }
 
-    pub(super) fn light(
-        &self,
-        (occluders, light, receivers): Scene<'_>,
-        emission: &Weights,
-    ) -> Answer<Vec<[u32; 3]>> {
+    pub(super) fn light(&self, (occluders, light, receivers): Scene<'_>, emission: &Weights) -> Answer<Vec<[u32; 3]>> {
         let (lit, statistics) = self.gpu.light(&on_lattice(occluders), light, receivers.points(), emission)?;
         Ok((lit, statistics.into()))
     }

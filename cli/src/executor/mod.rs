@@ -163,12 +163,7 @@ impl AnyExecutor {
     ///
     /// # Errors
     /// The executor's.
-    pub fn hard_visibility(
-        &self,
-        occluders: &Occluders,
-        light: &Punctual,
-        receivers: &Receivers,
-    ) -> Answer<Vec<f32>> {
+    pub fn hard_visibility(&self, occluders: &Occluders, light: &Punctual, receivers: &Receivers) -> Answer<Vec<f32>> {
         let (words, report) = ask!(self, executor => executor.hard_shadows(occluders, light, receivers))?;
         let bits = words.iter().flat_map(|word| (0..u32::BITS).map(move |bit| word >> bit & 1));
         Ok((bits.map(|blocked| 1.0 - blocked as f32).take(receivers.len()).collect(), report))

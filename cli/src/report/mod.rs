@@ -63,7 +63,8 @@ pub fn run(args: &ReportArgs) -> Result<String, ProgramError> {
     // Last of what can be refused: drivers may have something to say of their own.
     let device = Device::open(&args.machine)?;
     let gpu = device.name().unwrap_or("no GPU");
-    stages.announce(&format!("measuring {}, {width}×{height} pixels, on the processor and {gpu}", args.scene.name()))?;
+    stages
+        .announce(&format!("measuring {}, {width}×{height} pixels, on the processor and {gpu}", args.scene.name()))?;
     let methods = stages.run("indices of rays", || methods::all(&problem, &device))?;
     stages.expect(measure::stages(methods.len()));
     let results = measure::measure(&problem, &methods, &mut stages)?;

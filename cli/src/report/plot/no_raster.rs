@@ -4,7 +4,8 @@
 pub use std::convert::Infallible as RasterError;
 
 /// What is said of the plot's files.
-pub const NOTE: &str = "plot.svg (the feature `plot-png` draws plot.png too: cargo run --release --features plot-png -- report ARGUMENTS)";
+pub const NOTE: &str =
+    "plot.svg (the feature `plot-png` draws plot.png too: cargo run --release --features plot-png -- report ARGUMENTS)";
 
 /// None.
 ///
