@@ -144,7 +144,7 @@ pub struct ReportArgs {
     /// What is shown
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Folder to make: index.html, report.csv, plot.png and pictures
+    /// Folder to make: index.html, report.csv, plot.svg and pictures; with the feature plot-png, plot.png
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
     /// What the work is done on
@@ -202,7 +202,7 @@ pub struct WorkArgs {
 /// What the work is done on.
 #[derive(Clone, Debug, Default, ClapArgs)]
 pub struct MachineArgs {
-    /// The GPU to take, by a part of its name [default: the best; never a software driver]
+    /// The GPU to take, by a part of its name [default: the best; never a software driver]; with the feature gpu
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
     /// Threads [default: all]
@@ -251,7 +251,7 @@ pub enum ExecutorArg {
     /// The processor's threads
     #[default]
     Cpu,
-    /// A GPU
+    /// A GPU; with the feature gpu
     Gpu,
     /// A GPU if there is one, else the processor
     Auto,
@@ -261,6 +261,17 @@ impl SceneArgs {
     /// The built-in scene with all defaults.
     pub fn built_in() -> Self {
         Self { builtin: Some(Builtin::Court), ..Self::default() }
+    }
+
+    /// What the scene is called: its file, or that it is built in.
+    pub fn name(&self) -> String {
+        match &self.model {
+            Some(path) => path.display().to_string(),
+            None => {
+                let name = self.builtin.unwrap_or_default().to_possible_value();
+                format!("the built-in scene {}", name.as_ref().map_or("", |name| name.get_name()))
+            }
+        }
     }
 
     /// Width and height of the picture.

@@ -4,12 +4,12 @@ use std::{fmt::Display, io};
 
 use umbra4_core::{LatticeError, LightError, accumulate::AccumulationError, emission::EmissionError};
 use umbra4_cpu::{ExecutorError, SceneError};
-use umbra4_wgpu::GpuError;
 
 use crate::{
     array_file::ArrayError,
     camera::CameraError,
     casters::PartError,
+    executor::GpuError,
     in_file::InFile,
     light::{InLight, SnapLightError},
     light_file::LightFileError,
@@ -57,7 +57,7 @@ pub enum ProgramError {
     },
     /// The executor.
     Executor(#[from] ExecutorError),
-    /// The GPU.
+    /// The GPU, or that there is none in this program.
     Gpu(#[from] GpuError),
     /// Frames that do not belong together.
     Accumulation(#[from] AccumulationError),

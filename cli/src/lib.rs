@@ -1,6 +1,7 @@
 //! The program `umbra4`, as a library: models and lights from files, a camera, primary visibility, pictures.
 //!
-//! Shadows themselves come from `umbra4-core` (the arithmetic) and `umbra4-cpu` (the threads).
+//! Shadows themselves come from `umbra4-core` (the arithmetic) and `umbra4-cpu` (the threads); with the feature `gpu`, from
+//! `umbra4-wgpu` too. The feature `plot-png` draws the plot of a report in pixels.
 #![cfg_attr(test, allow(clippy::unwrap_used))] // in a test, a panic is the message
 
 pub mod args;

@@ -1,6 +1,9 @@
 //! The program's own stages: their times, and a progress bar where someone is watching.
 
-use std::time::Instant;
+use std::{
+    io::{self, Write, stdout},
+    time::Instant,
+};
 
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -25,6 +28,18 @@ impl Stages {
     /// `count` more stages are to come.
     pub fn expect(&self, count: u64) {
         self.bar.inc_length(count);
+    }
+
+    /// Says at once, on standard output, what is about to be done: where nobody can see the bar, too.
+    ///
+    /// # Errors
+    /// Standard output is closed.
+    pub fn announce(&self, what: &str) -> io::Result<()> {
+        self.bar.suspend(|| {
+            let mut out = stdout().lock();
+            writeln!(out, "{what}")?;
+            out.flush()
+        })
     }
 
     /// Runs one stage.

@@ -177,6 +177,7 @@ fn what_does_not_go_with_casters_is_refused() {
 }
 
 /// On the adapter that `UMBRA4_GPU` asks for; without it on a software driver, if there is one.
+#[cfg(feature = "gpu")]
 #[test]
 fn casters_are_the_same_on_a_gpu() {
     let folder = Folder::new();

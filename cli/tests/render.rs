@@ -18,6 +18,17 @@ fn every_view_of_the_built_in_scene() {
 }
 
 #[test]
+fn what_is_about_to_be_done_is_said_first() {
+    let folder = Folder::new();
+    let said = folder.succeed("render --builtin foliage -o a.png --size 16x8 --samples 8 --threads 1");
+    let first = said.lines().next().unwrap();
+    let words = "rendering the built-in scene foliage, 43430 triangles, 16×8 pixels, on cpu, 1 threads";
+    assert!(first.starts_with(words), "{first}");
+    let said = folder.succeed("render model.obj -o b.png --size 16x8 --samples 8");
+    assert!(said.starts_with("rendering model.obj, "), "{said}");
+}
+
+#[test]
 fn all_kinds_of_shadow_are_seen() {
     let folder = Folder::new();
     folder.succeed("render --builtin -o v.exr --width 64 --height 64 --samples 16 --view visibility");
@@ -105,4 +116,66 @@ fn degenerate_models_and_empty_views_work() {
 fn info_tells_the_plan() {
     let text = Folder::new().succeed("info");
     assert!(text.contains("threads") && text.contains("resolve"), "{text}");
+}
+
+#[cfg(not(feature = "gpu"))]
+mod without_gpus {
+    use super::Folder;
+
+    #[test]
+    fn what_needs_gpus_is_refused_and_says_how_they_come() {
+        let folder = Folder::new();
+        let masks = "masks --model model.obj --light light.json --receivers receivers.npy --samples 8 -o out.npy";
+        let how = "the feature `gpu` brings them, cargo run --release --features gpu -- ";
+        for (options, option) in [
+            ("--executor gpu", "--executor gpu"),
+            ("--executor gpu --adapter llvmpipe", "--executor gpu"),
+            ("--executor auto --adapter llvmpipe", "--adapter"),
+            ("--adapter llvmpipe", "--adapter"),
+        ] {
+            for command in [masks, "render --builtin -o out.png --size 8x8"] {
+                let command = format!("{command} {options}");
+                folder.fail(&command, how);
+                folder.fail(&command, &format!("error: {option} needs GPUs"));
+            }
+        }
+        folder.fail("report --builtin --size 8x8 -o out --adapter llvmpipe", how);
+    }
+
+    #[test]
+    fn what_does_not_need_gpus_takes_the_processor() {
+        let folder = Folder::new();
+        let said = folder.succeed("render model.obj -o out.png --size 8x8 --samples 8 --executor auto");
+        assert!(said.contains("on cpu, "), "{said}");
+        let text = folder.succeed("info");
+        assert!(text.contains("GPUs             left out: the feature `gpu` brings them"), "{text}");
+    }
+}
+
+#[cfg(feature = "gpu")]
+mod with_gpus {
+    use super::Folder;
+
+    /// Whatever this machine has: what `info` says of an adapter is what happens to it.
+    #[test]
+    fn info_says_what_masks_do() {
+        let folder = Folder::new();
+        let output = folder.run("info");
+        assert!(output.status.success() && output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+        let text = String::from_utf8(output.stdout).unwrap();
+        assert!(text.contains("not looked for on GL"), "{text}");
+        let usable = |line: &str| line.ends_with(": usable");
+        let lines: Vec<&str> = text.lines().filter(|line| line.starts_with("GPU  ")).collect();
+        for line in &lines {
+            let name = line.split_whitespace().nth(1).unwrap();
+            // The first that has the word in its name and can be used is taken.
+            let expected = lines.iter().any(|line| line.contains(name) && usable(line));
+            let masks = "masks --model model.obj --light light.json --receivers receivers.npy --samples 8 -o out.npy";
+            let output = folder.run(&format!("{masks} --executor gpu --adapter {name}"));
+            let message = String::from_utf8(output.stderr).unwrap();
+            assert_eq!(output.status.success(), expected, "{line}: {message}");
+            assert_eq!(message.lines().count(), usize::from(!expected), "{line}: {message}");
+        }
+        folder.fail("render model.obj -o out.png --executor gpu --adapter nothing-is-called-so", "no adapter called");
+    }
 }

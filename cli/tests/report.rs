@@ -87,8 +87,9 @@ fn the_built_in_scene() {
     // The same samples: all but a few bits.
     assert!((error("BVH rays, regular samples, 16×16") / exact[1] - 1.0).abs() < 0.05);
 
-    let plot = image::open(folder.path("out/plot.png")).unwrap().into_rgb8();
-    assert!(plot.width() > 1000 && plot.pixels().filter(|p| p.0 != [255; 3]).count() > 10_000);
+    let plot = fs::read_to_string(folder.path("out/plot.svg")).unwrap();
+    assert!(plot.starts_with("<svg xmlns=") && plot.contains("The price of accuracy") && !plot.contains("href"));
+    check_plot(&folder, &table);
     let picture = image::open(folder.path("out/pictures/umbra4-exact-8x8-shaded.png")).unwrap();
     assert_eq!((picture.width(), picture.height()), (48, 48));
     let pictures = folder.path("out/pictures").read_dir().unwrap().count();
@@ -115,6 +116,19 @@ fn what_cannot_be_reported_is_refused() {
     // Fine enough for regular samples, not for jittered ones.
     folder.write("light.json", r#"{"corner":[0,4,0],"edge_u":[2e-4,0,0],"edge_v":[0,0,2e-4]}"#);
     folder.fail("report model.obj --light light.json --size 8x8 --no-ground -o out", "too fine");
+}
+
+#[cfg(feature = "plot-png")]
+fn check_plot(folder: &Folder, said: &str) {
+    let plot = image::open(folder.path("out/plot.png")).unwrap().into_rgb8();
+    assert!(plot.width() > 1000 && plot.pixels().filter(|p| p.0 != [255; 3]).count() > 10_000);
+    assert!(said.contains("plot.svg, plot.png"), "{said}");
+}
+
+#[cfg(not(feature = "plot-png"))]
+fn check_plot(folder: &Folder, said: &str) {
+    assert!(!folder.path("out/plot.png").exists());
+    assert!(said.contains("the feature `plot-png` draws plot.png too"), "{said}");
 }
 
 /// The fields of a line, without the quotes of those that have them.

@@ -209,6 +209,7 @@ fn volumes_shine_to_all_sides() {
 }
 
 /// On the adapter that `UMBRA4_GPU` asks for; without it on a software driver, if there is one.
+#[cfg(feature = "gpu")]
 #[test]
 fn volumes_are_the_same_on_a_gpu() {
     let folder = Folder::new();

@@ -5,6 +5,8 @@ use umbra4_core::{LatticeError, LightError, PunctualLightError, glam::Vec3, text
 use umbra4_maps::{microquad::MicroquadError, stochastic::StochasticError};
 use wgpu::{Device, ErrorFilter};
 
+use crate::usable::{Lack, Listed};
+
 /// Why the GPU does not answer, or a call is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum GpuError {
@@ -16,17 +18,14 @@ pub enum GpuError {
         /// What the system said, or which adapters there are.
         reason: String,
     },
-    /// The adapter lacks something that every kernel needs.
-    #[error("adapter {adapter} has {limit} {has}, {needs} are needed")]
-    LimitTooSmall {
-        /// Its name.
+    /// The adapter, or the device that an engine hands over, cannot be used: its backend is one that the kernels do not compile for, a limit is too
+    /// small, or its driver does not run the kernels as they are.
+    #[error("adapter {adapter} cannot be used: {}", Listed(lacks))]
+    Unusable {
+        /// Its name and its backend.
         adapter: String,
-        /// Name of the limit, as wgpu calls it.
-        limit: &'static str,
-        /// What it has.
-        has: u64,
-        /// What is needed.
-        needs: u64,
+        /// Why; never empty.
+        lacks: Vec<Lack>,
     },
     /// The device could not be opened.
     #[error("cannot open adapter {adapter}: {reason}")]

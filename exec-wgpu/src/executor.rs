@@ -28,6 +28,7 @@ use crate::{
     scratch::Scratch,
     stages::{BLOCK, Buffers, SMALLEST_SLICE, block, mask_layout, narrowest, slice},
     timing::Timing,
+    usable,
 };
 
 /// Samples of a light, at most.
@@ -363,6 +364,8 @@ impl WgpuExecutor {
         let Work { recorder, scratch } = match &mut *work {
             Some(work) => work,
             None => {
+                // Whoever made the device: the rule is the same.
+                usable::check(&device.adapter_info(), &device.limits())?;
                 let timing = if self.timed { Timing::new(device)? } else { None };
                 let recorder = Recorder::new(device, self.loading, timing);
                 work.insert(Work { recorder, scratch: Scratch::default() })

@@ -2,13 +2,17 @@
 
 use std::fmt;
 
-use umbra4_core::kernel::WORKGROUP;
 use wgpu::{
-    Adapter, Backends, Buffer, CommandEncoderDescriptor, Device, DeviceDescriptor, DeviceType, ExperimentalFeatures,
-    Features, Instance, InstanceDescriptor, Limits, MemoryHints, Queue,
+    Adapter, Buffer, CommandEncoderDescriptor, Device, DeviceDescriptor, DeviceType, ExperimentalFeatures, Features,
+    Instance, InstanceDescriptor, MemoryHints, Queue,
 };
 
-use crate::{DeviceKernel, GpuError, error::guarded, readback};
+use crate::{
+    GpuError, Lack,
+    error::guarded,
+    readback, trial,
+    usable::{self, LOOKED_AT, Listed, lacks},
+};
 
 /// Which adapter to open.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -44,53 +48,41 @@ pub struct AdapterReport {
     /// Whether it is a GPU, and no software driver.
     pub hardware: bool,
     /// What umbra4 needs and it has not; empty where it can be used.
-    pub lacks: Vec<String>,
+    pub lacks: Vec<Lack>,
 }
 
-/// All adapters of this machine.
+/// All adapters of this machine but those of GL, which nobody can use. Software drivers are tried, which takes them a moment.
 pub fn adapters() -> Vec<AdapterReport> {
     found().iter().map(report).collect()
 }
 
 fn found() -> Vec<Adapter> {
-    let instance = Instance::new(InstanceDescriptor::new_without_display_handle_from_env());
-    pollster::block_on(instance.enumerate_adapters(Backends::all()))
+    let asked = InstanceDescriptor::new_without_display_handle_from_env();
+    let instance = Instance::new(InstanceDescriptor { backends: asked.backends & LOOKED_AT, ..asked });
+    pollster::block_on(instance.enumerate_adapters(LOOKED_AT))
 }
 
 fn report(adapter: &Adapter) -> AdapterReport {
     let info = adapter.get_info();
-    let lacks = shortages(&adapter.limits())
-        .map(|(limit, has, needs)| format!("{limit}: {needs} needed, {has} there"))
-        .collect();
-    AdapterReport {
-        name: info.name,
-        driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
-        backend: info.backend.to_string(),
-        hardware: info.device_type != DeviceType::Cpu,
-        lacks,
-    }
+    let lacks = match lacks(&info, &adapter.limits()) {
+        lacks if lacks.is_empty() && is_software(adapter) => match Gpu::of(adapter) {
+            Ok(_) => lacks,
+            Err(GpuError::Unusable { lacks, .. }) => lacks,
+            Err(error) => vec![Lack::Fails { reason: error.to_string() }],
+        },
+        lacks => lacks,
+    };
+    let hardware = !is_software(adapter);
+    AdapterReport { driver: driver(adapter), name: info.name, backend: info.backend.to_string(), hardware, lacks }
 }
 
-/// Name, value and need of the limits that are too small.
-fn shortages(limits: &Limits) -> impl Iterator<Item = (&'static str, u64, u64)> {
-    // The parameters are one more.
-    let buffers = 1 + DeviceKernel::all().map(|kernel| kernel.accesses().count()).max().unwrap_or(0) as u32;
-    let needs = [
-        ("max_storage_buffers_per_shader_stage", limits.max_storage_buffers_per_shader_stage, buffers),
-        ("max_compute_invocations_per_workgroup", limits.max_compute_invocations_per_workgroup, WORKGROUP),
-        ("max_compute_workgroup_size_x", limits.max_compute_workgroup_size_x, WORKGROUP),
-        ("max_dynamic_storage_buffers_per_pipeline_layout", limits.max_dynamic_storage_buffers_per_pipeline_layout, 1),
-    ];
-    let needs = needs.map(|(name, has, needs)| (name, u64::from(has), u64::from(needs)));
-    needs.into_iter().filter(|(_, has, needs)| has < needs)
+fn is_software(adapter: &Adapter) -> bool {
+    adapter.get_info().device_type == DeviceType::Cpu
 }
 
-/// Whether the limits of an adapter, or of a device of it, are large enough.
-pub(crate) fn check_limits(adapter: &str, limits: &Limits) -> Result<(), GpuError> {
-    match shortages(limits).next() {
-        None => Ok(()),
-        Some((limit, has, needs)) => Err(GpuError::LimitTooSmall { adapter: adapter.to_owned(), limit, has, needs }),
-    }
+fn driver(adapter: &Adapter) -> String {
+    let info = adapter.get_info();
+    format!("{} {}", info.driver, info.driver_info).trim().to_owned()
 }
 
 /// Features that are taken where they are there: times of stages, and another way to load kernels.
@@ -110,10 +102,10 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Opens an adapter, with all of its limits.
+    /// Opens the first adapter that can be used, with all of its limits.
     ///
     /// # Errors
-    /// No such adapter; one that lacks something; a driver that refuses.
+    /// No such adapter; none of them can be used, each with the reason; a driver that refuses.
     pub fn open(choice: &Choice) -> Result<Self, GpuError> {
         let all = found();
         let preference = |adapter: &Adapter| match (choice, adapter.get_info().device_type) {
@@ -126,19 +118,26 @@ impl Gpu {
             }
             _ => None,
         };
-        // Of the same kind, Vulkan before GL.
-        let secondary = |adapter: &Adapter| adapter.get_info().backend == wgpu::Backend::Gl;
-        let best = all
-            .iter()
-            .filter_map(|adapter| Some((preference(adapter)?, secondary(adapter), adapter)))
-            .min_by_key(|(preference, secondary, _)| (*preference, *secondary));
-        let Some((_, _, adapter)) = best else {
-            let names: Vec<String> = all.iter().map(|adapter| adapter.get_info().name).collect();
-            let reason =
-                if names.is_empty() { "there is none".to_owned() } else { format!("there is {}", names.join(", ")) };
-            return Err(GpuError::NoAdapter { wanted: choice.to_string(), reason });
+        let mut wanted: Vec<(u32, &Adapter)> =
+            all.iter().filter_map(|adapter| Some((preference(adapter)?, adapter))).collect();
+        wanted.sort_by_key(|(preference, _)| *preference);
+        let mut refused = Vec::new();
+        for (_, adapter) in wanted {
+            match Self::of(adapter) {
+                Ok(gpu) => return Ok(gpu),
+                Err(error) => refused.push(error),
+            }
+        }
+        let reason = match &refused[..] {
+            [] if all.is_empty() => "there is none, and those of GL are not looked at".to_owned(),
+            [] => {
+                let names: Vec<String> = all.iter().map(|adapter| usable::called(&adapter.get_info())).collect();
+                format!("there is {}", names.join(", "))
+            }
+            [_] => return Err(refused.remove(0)),
+            several => Listed(several).to_string(),
         };
-        Self::of(adapter)
+        Err(GpuError::NoAdapter { wanted: choice.to_string(), reason })
     }
 
     /// Waits for the device, and hands over the first `bytes` bytes of a buffer whose usage has `COPY_SRC`. For scripts and
@@ -157,9 +156,10 @@ impl Gpu {
         readback::read(device, &staging)
     }
 
+    /// Opens an adapter that can be used.
     fn of(adapter: &Adapter) -> Result<Self, GpuError> {
-        let AdapterReport { name, driver, hardware, .. } = report(adapter);
-        check_limits(&name, &adapter.limits())?;
+        let (info, software) = (adapter.get_info(), is_software(adapter));
+        usable::check(&info, &adapter.limits())?;
         let descriptor = DeviceDescriptor {
             label: Some("umbra4"),
             required_features: adapter.features() & OPTIONAL,
@@ -169,8 +169,12 @@ impl Gpu {
             trace: wgpu::Trace::Off,
         };
         let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
-            .map_err(|error| GpuError::NoDevice { adapter: name.clone(), reason: error.to_string() })?;
-        let name = if driver.is_empty() { name } else { format!("{name}, {driver}") };
-        Ok(Self { device, queue, name, software: !hardware })
+            .map_err(|error| GpuError::NoDevice { adapter: usable::called(&info), reason: error.to_string() })?;
+        let driver = driver(adapter);
+        let name = if driver.is_empty() { info.name.clone() } else { format!("{}, {driver}", info.name) };
+        let gpu = Self { device, queue, name, software };
+        let tried = if software { trial::run(&gpu) } else { Ok(()) };
+        usable::refuse(&info, tried.err().into_iter().collect())?;
+        Ok(gpu)
     }
 }

@@ -27,6 +27,8 @@ mod statistics;
 mod submit;
 mod timing;
 mod told;
+mod trial;
+mod usable;
 
 pub use casters::CasterIndex;
 pub use device_kernel::DeviceKernel;
@@ -46,4 +48,5 @@ pub use shadows::{Snapped, SoftShadows};
 pub use statistics::Statistics;
 pub use umbra4_core::{Precision, kernel::status::Status};
 pub use umbra4_maps as maps;
+pub use usable::{Lack, lacks};
 pub use wgpu;

@@ -27,7 +27,6 @@ use crate::{
     checks::{self, CheckedEmission, CheckedMesh, CheckedView},
     error::guarded,
     frame::{Emitted, Frame, History, Image, Lamp, Light, LightImage, Resolution},
-    gpu::check_limits,
     image::VisibilityFormat,
     light_run::{LightRun, RunLight, all_faces},
     readback::{copy, read},
@@ -35,6 +34,7 @@ use crate::{
     scratch::Scratch,
     stages::{BLOCK, Buffers, Ends, FACINGS, SMALLEST_SLICE, block, mask_layout, narrowest},
     timing::{Timing, seconds},
+    usable,
 };
 
 /// Distance of rows that are copied to a texture, in words of 32 bits: what wgpu asks for.
@@ -117,7 +117,7 @@ impl SoftShadows {
     /// Exact shadows on the engine's device, which needs no feature.
     ///
     /// # Errors
-    /// A limit of the device is too small.
+    /// [`GpuError::Unusable`] where the device cannot be used: it is one of GL, for which the kernels do not compile, or a limit of it is too small.
     pub fn new(device: &Device) -> Result<Self, GpuError> {
         Self::with(device, Precision::Exact, Loading::Checked)
     }
@@ -127,7 +127,7 @@ impl SoftShadows {
     /// # Errors
     /// As [`SoftShadows::new`]; the device cannot load kernels so.
     pub fn with(device: &Device, precision: Precision, loading: Loading) -> Result<Self, GpuError> {
-        check_limits(&device.adapter_info().name, &device.limits())?;
+        usable::check(&device.adapter_info(), &device.limits())?;
         loading.check(device)?;
         let status = guarded(device, "allocates a buffer", || {
             device.create_buffer(&BufferDescriptor {

@@ -38,7 +38,7 @@ pub fn announced() -> (Result<Gpu, String>, bool) {
             (Ok(gpu), false)
         }
         Ok(None) => {
-            println!("SKIPPED: there is no adapter, and UMBRA4_GPU asks for none");
+            println!("SKIPPED: there is no adapter that can be used, and UMBRA4_GPU asks for none");
             (Err("there is no adapter".to_owned()), true)
         }
         Err(error) => {

@@ -2,7 +2,12 @@
 
 use std::path::Path;
 
-use naga::{AddressSpace, ImageClass, ScalarKind, StorageAccess, TypeInner, back::wgsl, front::spv, valid};
+use naga::{
+    AddressSpace, ImageClass, ScalarKind, StorageAccess, TypeInner,
+    back::{hlsl, msl, wgsl},
+    front::spv,
+    valid,
+};
 use sha2::{Digest, Sha256};
 use umbra4_core::kernel::{Access, WORKGROUP};
 use umbra4_wgpu::{DeviceKernel, code, manifest};
@@ -122,5 +127,21 @@ fn every_module_translates_to_wgsl() {
         valid::Validator::new(valid::ValidationFlags::all(), valid::Capabilities::empty())
             .validate(&again)
             .unwrap_or_else(|error| panic!("{}: {error:?}", kernel.name()));
+    }
+}
+
+/// What the rule of usable adapters rests on, where there is no such device to compile what comes out.
+#[test]
+fn every_module_translates_for_metal_and_direct3d() {
+    for kernel in DeviceKernel::all() {
+        let (module, found) = module(kernel);
+        let (metal, _) = msl::write_string(&module, &found, &msl::Options::default(), &msl::PipelineOptions::default())
+            .unwrap_or_else(|error| panic!("{}: {error}", kernel.name()));
+        let mut direct3d = String::new();
+        let (options, pipeline) = (hlsl::Options::default(), hlsl::PipelineOptions::default());
+        hlsl::Writer::new(&mut direct3d, &options, &pipeline)
+            .write(&module, &found, None)
+            .unwrap_or_else(|error| panic!("{}: {error}", kernel.name()));
+        assert!(metal.contains(kernel.name()) && direct3d.contains(kernel.name()), "{}", kernel.name());
     }
 }

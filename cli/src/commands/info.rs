@@ -5,7 +5,7 @@ use std::io::{Write, stdout};
 use umbra4_core::{IndexKind, Plan, SceneFacts};
 use umbra4_cpu::{CpuExecutor, Isa};
 
-use crate::error::ProgramError;
+use crate::{error::ProgramError, executor};
 
 /// The run that the plan is shown for: what the program renders without arguments.
 fn example() -> SceneFacts {
@@ -24,15 +24,7 @@ pub(super) fn run() -> Result<(), ProgramError> {
     writeln!(out, "threads          {}", rayon::current_num_threads())?;
     let available: Vec<String> = Isa::available().iter().map(|isa| format!("{isa:?}")).collect();
     writeln!(out, "instruction sets {} (in use: {:?})", available.join(", "), CpuExecutor::new().isa())?;
-    let adapters = umbra4_wgpu::adapters();
-    if adapters.is_empty() {
-        writeln!(out, "GPUs             none")?;
-    }
-    for adapter in adapters {
-        let kind = if adapter.hardware { "" } else { ", in software" };
-        let lacks = if adapter.lacks.is_empty() { "usable".to_owned() } else { adapter.lacks.join("; ") };
-        writeln!(out, "GPU              {} ({}, {}{kind}): {lacks}", adapter.name, adapter.backend, adapter.driver)?;
-    }
+    executor::write_adapters(&mut out)?;
     let plan = Plan::new(example());
     writeln!(out, "\nplan for {} triangles and {} receivers:", plan.facts().triangles, plan.facts().receivers)?;
     write!(out, "{plan}")?;

@@ -8,6 +8,6 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), ProgramError> {
     let table = report::run(args)?;
     let mut out = stdout().lock();
     writeln!(out, "{table}")?;
-    writeln!(out, "wrote {}", args.output.join("index.html").display())?;
+    writeln!(out, "wrote {}, {}", args.output.join("index.html").display(), report::PLOT_NOTE)?;
     Ok(())
 }

@@ -6,8 +6,8 @@ use umbra4_core::glam::DVec3;
 
 use crate::{
     args::{PrecisionArg, SceneArgs},
-    executor::AnyExecutor,
-    report::{methods::Device, problem::Problem},
+    executor::{AnyExecutor, Device},
+    report::problem::Problem,
 };
 
 /// Names of facts, and what they are.
@@ -18,10 +18,7 @@ pub fn facts(args: &SceneArgs, problem: &Problem, device: &Device) -> Facts {
     let light = &problem.scene.light;
     let [corner, u, v] = [light.corner, light.edge_u, light.edge_v].map(DVec3::from_array);
     let center = corner + (u + v) * 0.5;
-    let gpu = match device {
-        Device::Open(gpu) => gpu.name.clone(),
-        Device::Missing(reason) => format!("not measured: {reason}"),
-    };
+    let gpu = device.name().map_or_else(|reason| format!("not measured: {reason}"), str::to_owned);
     vec![
         ("Scene", scene_and_triangles(args, problem)),
         ("Receivers", receivers(problem)),

@@ -25,7 +25,7 @@ use image::{ImageFormat, RgbImage};
 use crate::{
     args::ReportArgs,
     error::ProgramError,
-    executor,
+    executor::{self, Device},
     in_file::InFile,
     output::OutputError,
     output_folder::PreparedFolder,
@@ -34,7 +34,7 @@ use crate::{
 };
 pub use difference::{CompareError, Difference};
 use plot::Kind;
-pub use plot::RasterError;
+pub use plot::{NOTE as PLOT_NOTE, RasterError};
 use problem::Problem;
 
 /// Pixels of plot.png a unit of the drawing.
@@ -61,7 +61,10 @@ pub fn run(args: &ReportArgs) -> Result<String, ProgramError> {
     }
     problem.check_light(methods::REFERENCE_SIDE / 2)?;
     // Last of what can be refused: drivers may have something to say of their own.
-    let device = methods::Device::open(&args.machine)?;
+    let device = Device::open(&args.machine)?;
+    let gpu = device.name().unwrap_or("no GPU");
+    stages
+        .announce(&format!("measuring {}, {width}×{height} pixels, on the processor and {gpu}", args.scene.name()))?;
     let methods = stages.run("indices of rays", || methods::all(&problem, &device))?;
     stages.expect(measure::stages(methods.len()));
     let results = measure::measure(&problem, &methods, &mut stages)?;
@@ -77,7 +80,11 @@ pub fn run(args: &ReportArgs) -> Result<String, ProgramError> {
         folder.write("report.csv", csv::methods(&results))?;
         folder.write("equal.csv", csv::equal(&equal))?;
         let scene = facts::scene(&args.scene, &problem);
-        folder.write("plot.png", plot::png(&plot::svg(&results, &scene, Kind::Alone), PLOT_SCALE)?)?;
+        let plot = plot::svg(&results, &scene, Kind::Alone);
+        if let Some(png) = plot::png(&plot, PLOT_SCALE)? {
+            folder.write("plot.png", png)?;
+        }
+        folder.write("plot.svg", plot)?;
         let facts = facts::facts(&args.scene, &problem, &device);
         let html = page::html(&results, &equal, &facts).map_err(InFile::at(&args.output.join("index.html")))?;
         folder.write("index.html", html)?;

@@ -62,5 +62,10 @@ fn main() {
         });
         trial.with_ignored_flag(missing)
     });
-    libtest_mimic::run(&arguments, trials.into()).exit();
+    // Whatever else there is.
+    let of_gl = Trial::test("a_device_of_gl_is_refused", || {
+        refusals::a_device_of_gl_is_refused();
+        Ok(())
+    });
+    libtest_mimic::run(&arguments, trials.into_iter().chain([of_gl]).collect()).exit();
 }

@@ -7,11 +7,11 @@ use umbra4_core::{
 };
 use umbra4_tests::device::{buffer, texture};
 use umbra4_wgpu::{
-    Emitted, Frame, Gpu, History, Image, Indices, Instances, Lamp, LatticeScene, Light, LightImage, SoftShadows,
-    Surface, VisibilityFormat, WgpuExecutor,
+    Emitted, Frame, Gpu, GpuError, History, Image, Indices, Instances, Lack, Lamp, LatticeScene, Light, LightImage,
+    SoftShadows, Surface, VisibilityFormat, WgpuExecutor,
     wgpu::{
-        BufferDescriptor, BufferUsages, CommandEncoderDescriptor, IndexFormat, TextureFormat, TextureUsages,
-        TextureViewDescriptor,
+        Backend, Backends, BufferDescriptor, BufferUsages, CommandEncoderDescriptor, DeviceDescriptor, IndexFormat,
+        Instance, InstanceDescriptor, TextureFormat, TextureUsages, TextureViewDescriptor,
     },
 };
 
@@ -304,4 +304,26 @@ pub fn a_lost_device_is_an_error(_: &Gpu) {
     let scene = LatticeScene { vertices: &points, triangles: &[[0, 1, 2]] };
     let light = crate::frames::snapped(&light(4, 4, -1.0));
     assert!(WgpuExecutor::new(gpu).visibility(&scene, &light, &points).is_err());
+}
+
+/// The kernels do not compile for GL: an engine that runs on it is told so, before anything is compiled.
+pub fn a_device_of_gl_is_refused() {
+    let on_gl = InstanceDescriptor { backends: Backends::GL, ..InstanceDescriptor::new_without_display_handle() };
+    let adapters = pollster::block_on(Instance::new(on_gl).enumerate_adapters(Backends::GL));
+    let Some(adapter) = adapters.first() else {
+        println!("SKIPPED: there is no adapter of GL to be refused");
+        return;
+    };
+    let descriptor = DeviceDescriptor { required_limits: adapter.limits(), ..DeviceDescriptor::default() };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).expect("a device of GL");
+    let points = [umbra4_core::glam::IVec3::ZERO; 3];
+    let scene = LatticeScene { vertices: &points, triangles: &[[0, 1, 2]] };
+    let shadows = SoftShadows::new(&device).map(|_| ());
+    let gpu = Gpu { device, queue, name: "a device of GL".to_owned(), software: true };
+    let masks = WgpuExecutor::new(gpu).masks::<u32>(&scene, &crate::frames::snapped(&light(4, 4, -1.0)), &points);
+    for done in [shadows, masks.map(|_| ())] {
+        let Err(GpuError::Unusable { adapter: name, lacks }) = done else { panic!("{done:?}") };
+        assert!(name.ends_with("(gl)"), "{name}");
+        assert!(matches!(lacks[..], [Lack::Backend { backend: Backend::Gl, .. }, ..]), "{lacks:?}");
+    }
 }

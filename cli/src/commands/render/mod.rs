@@ -33,6 +33,12 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), ProgramError> {
     let lights = lights_of(args, &scene)?;
     let asked = Asked::of(args, &lights)?;
     let executor = AnyExecutor::new(&args.work)?;
+    stages.announce(&format!(
+        "rendering {}, {} triangles, {width}×{height} pixels, on {}",
+        args.scene.name(),
+        scene.model.triangles.len(),
+        executor.name()
+    ))?;
     let seen = stages.run("primary", || {
         primary::visible_surfaces(&scene.model, &scene.parts, &scene.camera, fine(width), fine(height))
     });

@@ -7,12 +7,11 @@ mod shadow_maps;
 mod umbra;
 
 use umbra4_core::Counts;
-use umbra4_wgpu::Gpu;
 
 use crate::{
-    args::{MachineArgs, PrecisionArg},
+    args::PrecisionArg,
     error::ProgramError,
-    executor::{AnyExecutor, Report, choice},
+    executor::{AnyExecutor, Device, Report},
     report::{problem::Problem, tiles::Choice},
 };
 use bvh::Bvh;
@@ -199,26 +198,8 @@ const SIDES: [u32; 4] = [8, 16, 32, 64];
 const REGULAR: [u32; 3] = [8, 16, 32];
 const JITTERED: [u32; 5] = [2, 4, 8, 16, 32];
 
-/// A GPU, or why there is none.
-pub enum Device {
-    /// An adapter that is open.
-    Open(Gpu),
-    /// What the system said.
-    Missing(String),
-}
-
-impl Device {
-    /// The GPU that the command line names, or the best if there is one; a software driver only by name.
-    ///
-    /// # Errors
-    /// The one that is named cannot be opened.
-    pub fn open(machine: &MachineArgs) -> Result<Self, ProgramError> {
-        match Gpu::open(&choice(machine)) {
-            Ok(gpu) => Ok(Self::Open(gpu)),
-            Err(error) if machine.adapter.is_none() => Ok(Self::Missing(error.to_string())),
-            Err(error) => Err(error.into()),
-        }
-    }
+fn boxed(method: impl Method + 'static) -> Box<dyn Method> {
+    Box::new(method)
 }
 
 /// All methods, in the order of tables.
@@ -234,12 +215,10 @@ pub fn all(problem: &Problem, device: &Device) -> Result<Vec<Box<dyn Method>>, P
         }
     }
     methods.push(Box::new(OverFrames::new(problem)));
-    if let Device::Open(gpu) = device {
-        for (precision, family) in precisions.into_iter().zip([Family::GpuExact, Family::GpuFast, Family::GpuJittered])
-        {
-            for side in SIDES {
-                methods.push(Box::new(Umbra::new(problem, family, side, AnyExecutor::gpu(gpu.clone(), precision))));
-            }
+    for (precision, family) in precisions.into_iter().zip([Family::GpuExact, Family::GpuFast, Family::GpuJittered]) {
+        for side in SIDES {
+            let executor = device.executor(precision);
+            methods.extend(executor.map(|executor| boxed(Umbra::new(problem, family, side, executor))));
         }
     }
     for family in [Family::Microquads, Family::StochasticMaps] {
@@ -247,12 +226,10 @@ pub fn all(problem: &Problem, device: &Device) -> Result<Vec<Box<dyn Method>>, P
             methods.push(Box::new(ShadowMaps::new(problem, family, size, AnyExecutor::cpu(PrecisionArg::Exact))));
         }
     }
-    if let Device::Open(gpu) = device {
-        for family in [Family::GpuMicroquads, Family::GpuStochasticMaps] {
-            for size in shadow_maps::SIZES {
-                let executor = AnyExecutor::gpu(gpu.clone(), PrecisionArg::Exact);
-                methods.push(Box::new(ShadowMaps::new(problem, family, size, executor)));
-            }
+    for family in [Family::GpuMicroquads, Family::GpuStochasticMaps] {
+        for size in shadow_maps::SIZES {
+            let executor = device.executor(PrecisionArg::Exact);
+            methods.extend(executor.map(|executor| boxed(ShadowMaps::new(problem, family, size, executor))));
         }
     }
     let bvh = Bvh::new(problem)?;

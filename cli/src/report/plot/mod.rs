@@ -6,6 +6,10 @@ mod legend;
 mod marker;
 mod over_frames;
 mod place;
+#[cfg(feature = "plot-png")]
+mod raster;
+#[cfg(not(feature = "plot-png"))]
+#[path = "no_raster.rs"]
 mod raster;
 
 use std::fmt::Write;
@@ -20,7 +24,7 @@ use legend::Item;
 pub use marker::family as sign;
 pub use over_frames::svg as over_frames;
 use place::{Area, Room};
-pub use raster::{RasterError, png};
+pub use raster::{NOTE, RasterError, png};
 
 /// Where it is shown decides what is on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -26,11 +26,14 @@ pub enum RasterError {
     Png(String),
 }
 
+/// What is said of the plot's files.
+pub const NOTE: &str = "plot.svg, plot.png";
+
 /// The drawing as a PNG, `scale` pixels a unit.
 ///
 /// # Errors
 /// See [`RasterError`].
-pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, RasterError> {
+pub fn png(svg: &str, scale: f32) -> Result<Option<Vec<u8>>, RasterError> {
     let mut fonts = Database::new();
     fonts.load_font_data(notosans::REGULAR_TTF.to_vec());
     fonts.set_sans_serif_family("Noto Sans");
@@ -39,7 +42,7 @@ pub fn png(svg: &str, scale: f32) -> Result<Vec<u8>, RasterError> {
     let [width, height] = [size.width(), size.height()].map(|length| (length * scale).ceil() as u32);
     let mut pixels = Pixmap::new(width, height).ok_or(RasterError::Size { width, height })?;
     resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
-    pixels.encode_png().map_err(|e| RasterError::Png(e.to_string()))
+    pixels.encode_png().map(Some).map_err(|e| RasterError::Png(e.to_string()))
 }
 
 #[cfg(test)]
@@ -52,7 +55,7 @@ mod tests {
             let svg = format!(
                 r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 60 20"><text y="15" font-family="Noto Sans">{text}</text></svg>"#
             );
-            image::load_from_memory(&png(&svg, 2.0).unwrap()).unwrap().into_rgba8()
+            image::load_from_memory(&png(&svg, 2.0).unwrap().unwrap()).unwrap().into_rgba8()
         };
         let inked = |letters: &str| text(letters).pixels().filter(|p| p.0[3] > 128).count();
         assert!(inked("") == 0 && inked("8×8²÷") > 100);
