@@ -42,21 +42,22 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
 count() { # SCENE SAMPLES CONTENDER: a line of the table
+    local own=$scratch/$1-$2-$3
     if ! valgrind --tool=callgrind --toggle-collect='*measured_section*' --callgrind-out-file=/dev/null \
         "$target/release/umbra4-bench" compare --single-run --scenes "$scenes" --scene "$1" --size "$size" \
-        --samples "$2" --contenders "$3" >"$scratch/out" 2>"$scratch/err"; then
-        cat "$scratch/out" "$scratch/err" >&2
+        --samples "$2" --contenders "$3" >"$own.out" 2>"$own.err"; then
+        cat "$own.out" "$own.err" >&2
         return 1
     fi
     local instructions receivers
-    instructions=$(sed -n 's/.*Collected : \([0-9]*\).*/\1/p' "$scratch/err")
-    receivers=$(sed -n 's/.*; \([0-9]*\) receivers of .*/\1/p' "$scratch/out")
+    instructions=$(sed -n 's/.*Collected : \([0-9]*\).*/\1/p' "$own.err")
+    receivers=$(sed -n 's/.*; \([0-9]*\) receivers of .*/\1/p' "$own.out")
     if [ -z "$instructions" ] || [ -z "$receivers" ]; then
         echo "no count in the output of valgrind, or no receivers in that of the benchmark" >&2
-        cat "$scratch/out" "$scratch/err" >&2
+        cat "$own.out" "$own.err" >&2
         return 1
     fi
-    echo "| $1 | $2² | $3 | $receivers | $((instructions / receivers)) |"
+    echo "| $1 | $2² | $3 | $receivers | $((instructions / receivers)) |" >"$own.line"
 }
 
 table=$scratch/table
@@ -64,13 +65,23 @@ table=$scratch/table
     echo "| scene | samples | contender | receivers | instructions a receiver |"
     echo "|---|--:|---|--:|--:|"
 } | tee "$table"
+counting=() lines=()
+# One thread each, and counts do not mind who else is running: as many at once as there are processors.
 for scene in dragon48k sponza; do
     for samples in 8 32 64; do
         for contender in umbra4 umbra4-fast; do
-            count "$scene" "$samples" "$contender" | tee -a "$table"
+            if [ ${#counting[@]} -ge "$(nproc)" ]; then
+                wait "${counting[0]}"
+                counting=("${counting[@]:1}")
+            fi
+            count "$scene" "$samples" "$contender" &
+            counting+=($!)
+            lines+=("$scratch/$scene-$samples-$contender.line")
         done
     done
 done
+for job in "${counting[@]}"; do wait "$job"; done
+cat "${lines[@]}" | tee -a "$table"
 
 case $mode in
 --record)
