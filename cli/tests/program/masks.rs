@@ -1,11 +1,9 @@
 //! `umbra4 masks` against brute force in i128, on nothing but the integers that the program itself hands out.
 #![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
-mod common;
-
 use std::{fs::File, io::Read};
 
-use common::{Folder, array, parse_array, read_array};
+use crate::common::{Folder, array, parse_array, read_array};
 
 type Point = [i128; 3];
 

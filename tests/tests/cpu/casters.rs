@@ -11,13 +11,14 @@ use umbra4_core::{
 };
 use umbra4_cpu::{CpuExecutor, CpuWord, Isa};
 use umbra4_tests::{
+    budget,
     caster_inputs::{CasterInputs, caster_of},
     caster_oracle::{Decisions, OracleCaster, OracleSurface, closed, depth},
     caster_scenes::{self, CasterScene, GENERATORS, Generator},
     caster_suite::{CasterSubject, CpuCasters, Expected, check, check_sums, report},
     compare::Compared,
     facings,
-    ledger::{Ledger, bits_wanted},
+    ledger::Ledger,
     meshes::{Mesh, cuboid, icosphere},
     rng::Rng,
     scenes::{EXPONENTS, SampleGrid},
@@ -25,7 +26,7 @@ use umbra4_tests::{
 };
 
 /// What all kinds of scenes compare together.
-static LEDGER: LazyLock<Ledger> = LazyLock::new(|| Ledger::new(GENERATORS.len(), bits_wanted()));
+static LEDGER: LazyLock<Ledger> = LazyLock::new(|| Ledger::new(GENERATORS.len(), budget::asked()));
 
 fn subjects() -> Vec<CpuCasters> {
     let mut sets = Isa::available().to_vec();
@@ -40,7 +41,7 @@ fn property(name: &str) {
     let (_, generator) = GENERATORS.iter().find(|(n, _)| *n == name).expect("a generator has this name");
     let mut rng = Rng::named(0, &format!("casters {name}"));
     let (subjects, mut total, mut decisions, mut round) = (subjects(), Compared::default(), Decisions::default(), 0);
-    while total.bits < bits_wanted() / GENERATORS.len() as u64 + 1 {
+    while total.bits < budget::asked() / GENERATORS.len() as u64 + 1 {
         let width = rng.pick(&[16, 32, 64]);
         let samples = caster_scenes::grid(&mut rng, width);
         let scene = generator(&mut rng, samples);

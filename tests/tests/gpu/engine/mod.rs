@@ -1,5 +1,4 @@
 //! Frames recorded into an engine's encoder: what they put on the lattice, what they shadow, and what they refuse.
-//! `UMBRA4_GPU` says which adapter must be there, see [`umbra4_tests::gpu::required`].
 
 mod emission;
 mod example;
@@ -9,13 +8,8 @@ mod frames;
 mod hard;
 mod pixels;
 mod refusals;
-#[path = "../../../exec-wgpu/examples/engine/renderer.rs"]
-mod renderer;
-#[path = "../../../exec-wgpu/examples/engine/scene.rs"]
-mod scene;
 
-use libtest_mimic::{Arguments, Failed, Trial};
-use umbra4_tests::gpu::announced;
+use umbra4_tests::gpu::{Test, test};
 use umbra4_wgpu::Gpu;
 
 type Check = fn(&Gpu);
@@ -51,16 +45,12 @@ const CHECKS: [(&str, Check); 28] = [
     ("what_is_refused_is_named", refusals::what_is_refused_is_named),
 ];
 
-fn main() {
-    let arguments = Arguments::from_args();
-    let (gpu, missing) = announced();
-    let trials = CHECKS.map(|(name, check)| {
-        let gpu = gpu.clone();
-        let trial = Trial::test(name, move || {
-            check(&gpu.map_err(Failed::from)?);
+pub fn tests() -> Vec<Test> {
+    let of_gpu = |check: Check| {
+        move |gpu: &Gpu| {
+            check(gpu);
             Ok(())
-        });
-        trial.with_ignored_flag(missing)
-    });
-    libtest_mimic::run(&arguments, trials.into()).exit();
+        }
+    };
+    CHECKS.into_iter().map(|(name, check)| test(name, of_gpu(check))).collect()
 }

@@ -15,7 +15,7 @@ use umbra4_wgpu::{
     },
 };
 
-use crate::{
+use super::{
     fixture::{SIZE, Wish, World, light},
     frames::{PIXELS, shadowed},
 };
@@ -281,7 +281,7 @@ pub fn what_is_refused_is_named(gpu: &Gpu) {
 
 /// Nothing panics on a device that is gone, neither in a frame nor for the host.
 pub fn a_lost_device_is_an_error(_: &Gpu) {
-    let gpu = umbra4_tests::gpu::required().ok().flatten().expect("it could be opened before");
+    let gpu = umbra4_tests::gpu::required().expect("it could be opened before");
     let world = World::new(&gpu, 1, Wish { triangles: 16, bad: 0, encoding: NormalEncoding::Signed });
     let usage = TextureUsages::COPY_DST;
     let target = texture(&gpu, [SIZE[0], SIZE[1], 1], TextureFormat::R8Unorm, usage);
@@ -302,6 +302,6 @@ pub fn a_lost_device_is_an_error(_: &Gpu) {
     }
     let points = [umbra4_core::glam::IVec3::ZERO; 3];
     let scene = LatticeScene { vertices: &points, triangles: &[[0, 1, 2]] };
-    let light = crate::frames::snapped(&light(4, 4, -1.0));
+    let light = super::frames::snapped(&light(4, 4, -1.0));
     assert!(WgpuExecutor::new(gpu).visibility(&scene, &light, &points).is_err());
 }

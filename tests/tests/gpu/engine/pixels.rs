@@ -19,7 +19,7 @@ use umbra4_wgpu::{
     wgpu::{self, BufferUsages, TextureFormat, TextureUsages, TextureView},
 };
 
-use crate::{
+use super::{
     fixture::{Expected, SIZE, World, bounds, lattice, light},
     frames::{PIXELS, masks, on_device, shadowed, snapped, submit, wish},
 };

@@ -21,7 +21,7 @@ use umbra4_wgpu::{
     wgpu::{self, BufferUsages, CommandEncoderDescriptor, TextureFormat, TextureUsages},
 };
 
-use crate::fixture::{Expected, SIZE, Wish, World, bounds, lattice, light};
+use super::fixture::{Expected, SIZE, Wish, World, bounds, lattice, light};
 
 pub const PIXELS: usize = (SIZE[0] * SIZE[1]) as usize;
 const FORMATS: [(TextureFormat, VisibilityFormat); 3] = [
@@ -307,7 +307,7 @@ pub fn alive(gpu: &Gpu) -> [isize; 4] {
 
 pub fn no_allocation_once_frames_repeat(_: &Gpu) {
     // A device of its own: what other tests allocate at the same time is counted there.
-    let gpu = &umbra4_tests::gpu::required().ok().flatten().expect("it could be opened before");
+    let gpu = &umbra4_tests::gpu::required().expect("it could be opened before");
     let world = World::new(gpu, 10, wish(60));
     let usage = TextureUsages::COPY_DST | TextureUsages::COPY_SRC;
     let target = texture(gpu, [SIZE[0], SIZE[1], 1], TextureFormat::R8Unorm, usage);

@@ -1,9 +1,7 @@
 //! `umbra4 render` and the program without arguments, at sizes that take no time.
 #![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 
 #[test]
 fn every_view_of_the_built_in_scene() {

@@ -16,7 +16,7 @@ use umbra4_wgpu::{
     wgpu::{Buffer, BufferUsages, Texture, TextureFormat, TextureUsages},
 };
 
-use crate::{
+use super::{
     emission::made,
     fixture::{Expected, SIZE, Wish, World, lattice, light},
     frames::{PIXELS, check_lattice, on_device, shadowed, snapped, submit, wish},
@@ -244,7 +244,7 @@ pub fn blocks_face_where_their_pixel_does(gpu: &Gpu) {
 
 /// A light that shines through surfaces makes nothing more, and another only what it takes.
 pub fn only_those_who_ask_pay_for_facings(_: &Gpu) {
-    let gpu = &umbra4_tests::gpu::required().ok().flatten().expect("it could be opened before");
+    let gpu = &umbra4_tests::gpu::required().expect("it could be opened before");
     let world = World::new(gpu, 43, wish(60));
     let target = texture(gpu, [SIZE[0], SIZE[1], 1], TextureFormat::R32Float, COPIED);
     let plain = shadowed(light(6, 9, 0.0), Image::Texture { texture: &target, layer: 0 });

@@ -1,9 +1,7 @@
 //! Every error: exit code 2, one line, no file left.
 #![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
-mod common;
-
-use common::{Folder, array};
+use crate::common::{Folder, array};
 
 const MASKS: &str = "masks --model model.obj --light light.json --receivers receivers.npy --samples 8 -o out.npy";
 

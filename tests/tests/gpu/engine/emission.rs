@@ -23,7 +23,7 @@ use umbra4_wgpu::{
     wgpu::{Buffer, BufferUsages, PollType, Texture, TextureFormat, TextureUsages},
 };
 
-use crate::{
+use super::{
     fixture::{Expected, SIZE, World, lattice, light},
     frames::{PIXELS, alive, check_lattice, image, on_device, shadowed, snapped, submit, wish},
 };
@@ -94,7 +94,7 @@ fn check_mixed(sums: &[[u32; 3]]) {
 /// in the same buffers: nothing else is others, and nothing is made.
 pub fn emissions_are_those_of_the_cpu(_: &Gpu) {
     // A device of its own: what other tests allocate at the same time is counted there.
-    let gpu = &umbra4_tests::gpu::required().ok().flatten().expect("it could be opened before");
+    let gpu = &umbra4_tests::gpu::required().expect("it could be opened before");
     let world = World::new(gpu, 31, wish(60));
     let jitter = umbra4_core::Jitter::pattern(3);
     let lamps = [light(5, 16, -1.0), light(8, 23, 0.5), light(7, 64, -2.0).with_jitter(jitter), light(6, 9, 0.0)];
@@ -175,7 +175,7 @@ fn settle(gpu: &Gpu) {
 
 /// A light without an emission makes nothing for one, and one with an emission makes only what it is bound to.
 pub fn a_light_without_emission_pays_nothing(_: &Gpu) {
-    let gpu = &umbra4_tests::gpu::required().ok().flatten().expect("it could be opened before");
+    let gpu = &umbra4_tests::gpu::required().expect("it could be opened before");
     let world = World::new(gpu, 32, wish(60));
     let lamp = light(6, 9, 0.0);
     let (weights, sums) =

@@ -1,7 +1,8 @@
 //! Microquad soft shadow mapping on a GPU against the CPU executor: the same parameters, texels, pyramid, table, masks and areas, bit by bit.
-//! `UMBRA4_GPU` says which adapter must be there, see [`umbra4_tests::gpu::required`].
 
-use libtest_mimic::{Arguments, Failed, Trial};
+use std::sync::OnceLock;
+
+use libtest_mimic::Failed;
 use umbra4_core::{
     Jitter, LatticeLight,
     glam::{IVec3, Vec3},
@@ -17,7 +18,7 @@ use umbra4_cpu::{
 use umbra4_tests::{
     compare::bits_of,
     facings,
-    gpu::announced,
+    gpu::{Check, Test, test},
     ledger::say,
     rng::Rng,
     scenes::{self, GENERATORS, SampleGrid},
@@ -27,8 +28,6 @@ use umbra4_wgpu::{Gpu, GpuError, LatticeReceivers, LatticeScene, Loading, WgpuEx
 
 /// Fewer receivers than most scenes have, so that blocks are tested as well.
 const BLOCK: u32 = 75;
-
-type Check = fn(&WgpuExecutor, &str) -> Result<(), Failed>;
 
 /// What is looked at: on the lattice, as both executors take it.
 struct Case<'a> {
@@ -382,9 +381,8 @@ fn switch(executor: &WgpuExecutor, _: &str) -> Result<(), Failed> {
     Ok(())
 }
 
-fn main() {
-    let arguments = Arguments::from_args();
-    let (gpu, missing) = announced();
+pub fn tests() -> Vec<Test> {
+    static EXECUTOR: OnceLock<WgpuExecutor> = OnceLock::new();
     let checks: [(&str, Check); 9] = [
         ("words_16", words_16),
         ("words_32", words_32),
@@ -400,12 +398,7 @@ fn main() {
     for (name, _) in GENERATORS {
         checks.push((format!("generated::{name}"), generated, name));
     }
-    let executor = |gpu: Gpu| WgpuExecutor::new(gpu).with_block(BLOCK).with_stage_times(true);
-    let executor = std::sync::Arc::new(gpu.map(executor));
-    let trials = checks.into_iter().map(|(name, check, generator)| {
-        let executor = executor.clone();
-        let trial = Trial::test(name, move || check(executor.as_ref().as_ref().map_err(Failed::from)?, generator));
-        trial.with_ignored_flag(missing)
-    });
-    libtest_mimic::run(&arguments, trials.collect()).exit();
+    let of_gpu =
+        |gpu: &Gpu| EXECUTOR.get_or_init(|| WgpuExecutor::new(gpu.clone()).with_block(BLOCK).with_stage_times(true));
+    checks.into_iter().map(|(name, check, generator)| test(name, move |gpu| check(of_gpu(gpu), generator))).collect()
 }

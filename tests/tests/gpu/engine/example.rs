@@ -12,11 +12,8 @@ use umbra4_wgpu::{
     wgpu::{CommandEncoderDescriptor, TextureFormat, TextureUsages, TextureViewDescriptor},
 };
 
-use crate::{
-    frames::{on_device, submit},
-    renderer::Renderer,
-    scene,
-};
+use super::frames::{on_device, submit};
+use crate::{renderer::Renderer, scene};
 
 const SIZE: [u32; 2] = [128, 72];
 const SAMPLES: u32 = 256;

@@ -1,5 +1,4 @@
-//! Lights without extent, emissions, irradiance and receivers that face some way on a GPU, against the oracle. `UMBRA4_GPU` says which adapter must be there, see
-//! [`umbra4_tests::gpu::required`].
+//! Lights without extent, emissions, irradiance and receivers that face some way on a GPU, against the oracle.
 
 use libtest_mimic::Failed;
 use umbra4_core::{
@@ -10,7 +9,7 @@ use umbra4_core::{
 use umbra4_cpu::CpuExecutor;
 use umbra4_tests::{
     facings,
-    gpu::{Check, run, scene},
+    gpu::{Check, Test, of_executor, scene},
     hard_shadows::property,
     irradiance,
     ledger::say,
@@ -180,7 +179,7 @@ fn missing_vertices(executor: &WgpuExecutor, _: &str) -> Result<(), Failed> {
     Ok(())
 }
 
-fn main() {
+pub fn tests() -> Vec<Test> {
     let mut checks: Vec<(String, Check, &str)> = vec![
         ("refusals".to_owned(), refusals, GENERATORS[0].0),
         ("missing_vertices".to_owned(), missing_vertices, GENERATORS[0].0),
@@ -191,5 +190,5 @@ fn main() {
         checks.push((format!("facing::{name}"), facing, name));
         checks.push((format!("irradiance::{name}"), irradiance, name));
     }
-    run(checks);
+    of_executor(checks)
 }

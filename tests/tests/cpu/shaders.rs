@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 use umbra4_core::kernel::{Access, WORKGROUP};
 use umbra4_wgpu::{DeviceKernel, code, manifest};
 
-#[path = "../../shaders-rust/generate/src/inputs.rs"]
+#[path = "../../../shaders-rust/generate/src/inputs.rs"]
 mod inputs;
 
 fn root() -> &'static Path {

@@ -1,5 +1,4 @@
-//! Clouds of samples on a GPU, against the oracle, bit by bit. `UMBRA4_GPU` says which adapter must be there, see
-//! [`umbra4_tests::gpu::required`].
+//! Clouds of samples on a GPU, against the oracle, bit by bit.
 
 use libtest_mimic::Failed;
 use umbra4_core::{
@@ -13,7 +12,7 @@ use umbra4_tests::{
     clouds::{Case, KINDS, ball, beside_the_outermost, by_lookups, oracle, property, samples, table_of},
     compare::{Amount, compare_masks, compare_visibility},
     facings,
-    gpu::{Check, run, scene},
+    gpu::{Check, Test, of_executor, scene},
     ledger::say,
     meshes::{Mesh, icosphere},
     rng::Rng,
@@ -320,7 +319,7 @@ fn nothing_to_do(executor: &WgpuExecutor, _: &str) -> Result<(), Failed> {
     Ok(())
 }
 
-fn main() {
+pub fn tests() -> Vec<Test> {
     let first = GENERATORS[0].0;
     let checks: [(&str, Check); 9] = [
         ("facing", facing),
@@ -338,5 +337,5 @@ fn main() {
         checks.push((format!("oracle::{name}"), oracle_s, name));
         checks.push((format!("by_table::{name}"), by_table, name));
     }
-    run(checks);
+    of_executor(checks)
 }

@@ -1,7 +1,6 @@
-//! Stochastic soft shadow maps on a GPU, against the processor's. `UMBRA4_GPU` says which adapter must be there, see
-//! [`umbra4_tests::gpu::required`].
+//! Stochastic soft shadow maps on a GPU, against the processor's.
 
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::{Completion, Failed};
 use umbra4_core::{
     Facing,
     glam::{DVec3, IVec3, Vec3},
@@ -10,7 +9,7 @@ use umbra4_cpu::{CpuExecutor, ExecutorError, Occluders};
 use umbra4_maps::stochastic::{Basis, Centers, Footprint, Placement, StochasticError, StochasticOptions};
 use umbra4_tests::{
     filtered::{Agreement, SHARE, SOFTWARE_SHARE, agree},
-    gpu::{announced, scene},
+    gpu::{Test, scene},
     grids::two_grids,
     ledger::say,
     rng::Rng,
@@ -18,9 +17,9 @@ use umbra4_tests::{
     scenes::{EXPONENTS, GENERATORS, SampleGrid},
     slab::{slab_and_wall, with_receivers_in_the_air},
 };
-use umbra4_wgpu::{Gpu, GpuError, LatticeReceivers, LatticeScene, Loading, StochasticShadows, WgpuExecutor};
+use umbra4_wgpu::{Gpu, GpuError, LatticeReceivers, LatticeScene, StochasticShadows, WgpuExecutor};
 
-const LOADINGS: [(&str, Loading); 2] = [("checked", Loading::Checked), ("passthrough", Loading::Passthrough)];
+use crate::conformance::{LOADINGS, refused};
 
 type Check = fn(&WgpuExecutor) -> Result<(), Failed>;
 
@@ -273,23 +272,16 @@ const CHECKS: [(&str, Check); 10] = [
     ("times", times),
 ];
 
-fn main() {
-    let arguments = Arguments::from_args();
-    let (gpu, missing) = announced();
-    let mut trials = Vec::new();
+pub fn tests() -> Vec<Test> {
+    let mut tests: Vec<Test> = Vec::new();
     for (prefix, loading) in LOADINGS {
-        let executor = move |gpu: Gpu| WgpuExecutor::new(gpu).with_loading(loading).map_err(|error| error.to_string());
-        // Not every device loads kernels as they are; a software driver on Vulkan does.
-        let first = gpu.clone().and_then(executor);
-        let unable = loading == Loading::Passthrough && first.is_err() && gpu.as_ref().is_ok_and(|gpu| !gpu.software);
-        if let (true, Err(reason)) = (unable, &first) {
-            println!("SKIPPED: {prefix}: {reason}");
-        }
         for (name, check) in CHECKS {
-            let gpu = gpu.clone();
-            let trial = Trial::test(format!("{prefix}::{name}"), move || check(&gpu.and_then(executor)?));
-            trials.push(trial.with_ignored_flag(missing || unable));
+            let of_gpu = move |gpu: &Gpu| match WgpuExecutor::new(gpu.clone()).with_loading(loading) {
+                Ok(executor) => check(&executor).map(|()| Completion::Completed),
+                Err(reason) => refused(gpu, loading, &reason.to_string()),
+            };
+            tests.push((format!("{prefix}::{name}"), Box::new(of_gpu)));
         }
     }
-    libtest_mimic::run(&arguments, trials).exit();
+    tests
 }

@@ -1,11 +1,9 @@
 //! What of glTF's materials has a say in shadows, read from documents that are written here.
 #![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
-mod common;
-
 use std::{path::Path, sync::Arc};
 
-use common::{
+use crate::common::{
     Folder,
     gltf::{card, data_uri, encoded},
 };

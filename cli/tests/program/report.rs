@@ -1,11 +1,9 @@
 //! `umbra4 report`, at a size that takes little time.
 #![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
-mod common;
-
 use std::fs;
 
-use common::Folder;
+use crate::common::Folder;
 
 /// Methods on a machine without a GPU: two precisions, and jittered samples, at four resolutions; six numbers of frames; two
 /// kinds of shadow maps of four sizes; and eight of rays.

@@ -14,7 +14,7 @@ use umbra4_wgpu::{
     wgpu::{BufferUsages, TextureFormat, TextureUsages},
 };
 
-use crate::{
+use super::{
     fixture::{Expected, SIZE, World, lattice, light},
     frames::{PIXELS, check_lattice, on_device, shadowed, submit, wish},
 };

@@ -1,5 +1,5 @@
 //! Casters on a GPU: masks, counts, visibility and light are the oracle's; a caster that moves needs its own part of the index made
-//! anew, and no other. `UMBRA4_GPU` says which adapter must be there, see [`umbra4_tests::gpu::required`].
+//! anew, and no other.
 
 use libtest_mimic::Failed;
 use umbra4_core::{
@@ -17,7 +17,7 @@ use umbra4_tests::{
     caster_scenes::GENERATORS,
     caster_suite::{CasterSubject, Expected, check_masks, check_sums, report},
     compare::Compared,
-    gpu::{Check, run},
+    gpu::{Check, Test, of_executor},
     ledger::say,
     rng::Rng,
     scenes::{EXPONENTS, SampleGrid},
@@ -191,12 +191,12 @@ fn refusals(executor: &WgpuExecutor, _: &str) -> Result<(), Failed> {
     Ok(())
 }
 
-fn main() {
+pub fn tests() -> Vec<Test> {
     let properties = GENERATORS.map(|(name, _)| (format!("casters_{name}"), property as Check, name));
     let others = [
         ("moving_cards".to_owned(), moving as Check, "cards"),
         ("moving_slabs".to_owned(), moving as Check, "slabs"),
         ("refusals".to_owned(), refusals as Check, "cards"),
     ];
-    run(properties.into_iter().chain(others).collect())
+    of_executor(properties.into_iter().chain(others).collect())
 }

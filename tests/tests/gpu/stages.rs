@@ -1,9 +1,8 @@
 //! Each kernel alone on a device, against the same function on the host, over the same input: a divergence names its kernel.
-//! `UMBRA4_GPU` says which adapter must be there, see [`umbra4_tests::gpu::required`].
 
 use std::{cell::RefCell, collections::HashMap};
 
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::Failed;
 use umbra4_core::{
     Executor, Facing, Pass, Plan, Punctual, SceneFacts,
     edge_plane::LightGrid,
@@ -26,7 +25,7 @@ use umbra4_tests::{
     alone::{OnDevice, Told, on_host},
     compare::{Amount, compare_masks},
     facings::{self, settled},
-    gpu::announced,
+    gpu::{Test, test},
     hard_shadows::property,
     ledger::say,
     oracle::{behind, hit, hit_towards},
@@ -461,23 +460,15 @@ fn every_integer_helper(gpu: &Gpu) -> Result<(), Failed> {
     Ok(())
 }
 
-fn main() {
-    let arguments = Arguments::from_args();
-    let (gpu, missing) = announced();
-    type Check = Box<dyn FnOnce(&Gpu) -> Result<(), Failed> + Send>;
-    let mut checks: Vec<(String, Check)> = vec![
-        ("every_integer_helper".to_owned(), Box::new(every_integer_helper)),
-        ("every_picture_of_light".to_owned(), Box::new(every_picture_of_light)),
+pub fn tests() -> Vec<Test> {
+    let mut tests = vec![
+        test("every_integer_helper", every_integer_helper),
+        test("every_picture_of_light", every_picture_of_light),
     ];
     for (index, (name, _)) in GENERATORS.iter().enumerate() {
-        checks.push((format!("every_kernel_alone::{name}"), Box::new(move |gpu| every_kernel_alone(gpu, index))));
+        tests.push(test(format!("every_kernel_alone::{name}"), move |gpu| every_kernel_alone(gpu, index)));
         let punctual = move |gpu: &Gpu| every_punctual_kernel_alone(gpu, index);
-        checks.push((format!("every_punctual_kernel_alone::{name}"), Box::new(punctual)));
+        tests.push(test(format!("every_punctual_kernel_alone::{name}"), punctual));
     }
-    let trials = checks.into_iter().map(|(name, check)| {
-        let gpu = gpu.clone();
-        let trial = Trial::test(name, move || check(&gpu.map_err(Failed::from)?));
-        trial.with_ignored_flag(missing)
-    });
-    libtest_mimic::run(&arguments, trials.collect()).exit();
+    tests
 }
