@@ -10,7 +10,7 @@ use umbra4_core::{
     texture::{Coordinate, MOST_TEXELS, TextureError, TextureSize, Wrap},
 };
 use umbra4_cpu::{Caster, CasterError, CpuExecutor, ExecutorError, Occluders, Receivers, SceneError};
-use umbra4_tests::rng::Rng;
+use umbra4_tests::{budget, rng::Rng};
 
 fn lattice() -> Lattice {
     Lattice::covering(Bounds { min: DVec3::splat(-8.0), max: DVec3::splat(8.0) }).expect("bounds are fine")
@@ -150,7 +150,7 @@ fn coordinates_are_rounded_halves_away_from_zero() {
     assert_eq!(units(f32::from_bits(1), -0.0), [0, 0]);
     assert_eq!(units(16384.0, -16384.0), [1 << 30, -(1 << 30)]);
     let mut rng = Rng::named(0, "coordinates");
-    for _ in 0..100_000 {
+    for _ in 0..budget::of(100_000) {
         let scale = 2.0_f64.powi(rng.below(40) as i32 - 24);
         let value = ((rng.around(1 << 20) as f64 / 2.0) * scale) as f32;
         if value.abs() <= 16384.0 {

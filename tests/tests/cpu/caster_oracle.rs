@@ -6,7 +6,7 @@ use umbra4_core::{
     glam::{DVec3, IVec3},
 };
 use umbra4_tests::{
-    bigint,
+    bigint, budget,
     caster_oracle::{
         Decisions, OracleCaster, OracleReceiver, OracleSurface, Prepared, Seen, closed,
         depth::{self, OPAQUE},
@@ -151,7 +151,7 @@ fn an_edge_along_the_columns_is_told_by_the_rows() {
 #[test]
 fn the_middle_of_a_fan_counts_once() {
     let mut rng = Rng::named(0, "fans");
-    for _ in 0..500 {
+    for _ in 0..budget::of(500) {
         let count = 3 + rng.below(9);
         let mut around: Vec<IVec3> = (0..count)
             .map(|k| {
@@ -185,7 +185,7 @@ fn the_middle_of_a_fan_counts_once() {
 fn samples_count_once_over_any_pane() {
     let mut rng = Rng::named(0, "panes");
     let (mut once, mut on_edge) = (0, 0);
-    for _ in 0..800 {
+    for _ in 0..budget::of(800) {
         let (min, extent) = ([0; 2].map(|_| rng.around(6)), [0; 2].map(|_| 1 + rng.below(14) as i32));
         let mut triangles = pane(&mut rng, min, extent).expect("it has an extent");
         for corner in triangles.as_flattened_mut() {
@@ -248,7 +248,7 @@ fn tints_are_rounded_to_the_nearest_depth() {
     assert_eq!(depth::of_tint(2.0_f32.powi(-31)), 31 * 2048);
     assert_eq!(depth::of_tint(1.0 - f32::EPSILON / 2.0), 0);
     let mut rng = Rng::named(0, "tints");
-    for _ in 0..300 {
+    for _ in 0..budget::of(300) {
         let tint = rng.unit().powi(1 + rng.below(8) as i32) as f32;
         let exact = (-2048.0 * f64::from(tint).log2()).min(65_534.0);
         let off = (f64::from(depth::of_tint(tint)) - exact).abs();
@@ -312,7 +312,7 @@ fn a_receiver_inside_a_closed_box_sees_the_light() {
 fn closed_meshes_look_the_same_from_outside() {
     let mut rng = Rng::named(0, "closed meshes");
     let (mut compared, mut inside) = (0, 0);
-    for _ in 0..60 {
+    for _ in 0..budget::of(60) {
         let extent = 1 << 22;
         let samples = caster_scenes::grid(&mut rng, 64);
         let light = scenes::light(&mut rng, samples, IVec3::Y * (3 * extent), extent);
@@ -404,7 +404,7 @@ fn a_plane_moved_towards_the_light_takes_what_it_passes() {
 fn planes_through_the_light_are_not_moved_whatever_the_jitter() {
     let mut rng = Rng::named(0, "sides of jittered lights");
     let (mut sides, mut through, mut samples_aside) = (0, 0, 0);
-    for _ in 0..4000 {
+    for _ in 0..budget::of(4000) {
         let regular = lamp(1 + rng.below(3) as u32, 1 + rng.below(3) as u32);
         let jittered = |number: usize| LatticeLight { jitter: Jitter::pattern(number as u32), ..regular };
         let triangle = [
@@ -472,7 +472,7 @@ fn layers_have_to_share_a_bit() {
 
 fn scenes_of_all_kinds(name: &str, rounds: usize, mut check: impl FnMut(&str, &mut Rng, &CasterScene)) {
     let mut rng = Rng::named(0, name);
-    for _ in 0..rounds {
+    for _ in 0..budget::of(rounds) {
         for (generator, build) in GENERATORS {
             let samples = caster_scenes::grid(&mut rng, 64);
             let scene = build(&mut rng, samples);

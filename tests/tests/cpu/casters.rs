@@ -245,7 +245,7 @@ fn one_caster_is_indexed_again_and_the_others_stay() {
     let mut rng = Rng::named(0, "moving casters");
     let (executor, subject) = (CpuExecutor::new(), CpuCasters(CpuExecutor::new()));
     let (mut frames, mut changed) = (0, 0);
-    for round in 0..120 {
+    for round in 0..budget::of(120) {
         let (name, build) = rng.pick(&GENERATORS);
         let samples = caster_scenes::grid(&mut rng, 64);
         let scene = build(&mut rng, samples);
@@ -298,7 +298,7 @@ fn one_caster_is_indexed_again_and_the_others_stay() {
 fn casters_move_by_their_vertices() {
     let mut rng = Rng::named(0, "moving vertices");
     let executor = CpuExecutor::new();
-    for round in 0..60 {
+    for round in 0..budget::of(60) {
         let name = rng.pick(&["cards", "panes"]);
         let samples = caster_scenes::grid(&mut rng, 64);
         let scene = generator(name)(&mut rng, samples);
@@ -332,7 +332,7 @@ fn receivers_that_face_away_are_dark() {
     let mut rng = Rng::named(0, "casters and facing");
     let executor = CpuExecutor::new();
     let (mut away, mut all) = (0, 0);
-    for _ in 0..60 {
+    for _ in 0..budget::of(60) {
         let (_, build) = rng.pick(&GENERATORS);
         let samples = caster_scenes::grid(&mut rng, 64);
         let scene = build(&mut rng, samples);
@@ -373,7 +373,7 @@ fn tints_and_transmittances_are_rounded_right() {
         assert_eq!(tint::transmittance(&tint::TRANSMITTANCES, u32::from(depth)), expected, "{depth}");
     }
     let mut rng = Rng::named(0, "tints of core");
-    for _ in 0..100_000 {
+    for _ in 0..budget::of(100_000) {
         let (weight, depths) =
             ([0; 3].map(|_| rng.next_u64() as u16), [0; 3].map(|_| rng.next_u64() as u16 >> rng.below(16)));
         let expected = [0, 1, 2].map(|k| depth::transmitted(weight[k], depths[k]));
@@ -409,7 +409,7 @@ fn closed_parts_are_found() {
     let mut rng = Rng::named(0, "closed parts");
     let (mut whole, mut parts) = (0, [0; 2]);
     let lattice = CasterScene::inputs(&generator("cards")(&mut rng, SampleGrid::regular(1, 1)), 0).lattice;
-    for _ in 0..600 {
+    for _ in 0..budget::of(600) {
         let mut walls = vec![];
         for _ in 0..1 + rng.below(4) {
             let at = rng.point(3);
@@ -466,7 +466,7 @@ fn closed_parts_are_found() {
 #[test]
 fn the_order_of_casters_does_not_matter() {
     let mut rng = Rng::named(0, "orders of casters");
-    for _ in 0..60 {
+    for _ in 0..budget::of(60) {
         let (_, build) = rng.pick(&GENERATORS);
         let samples = caster_scenes::grid(&mut rng, 64);
         let scene = build(&mut rng, samples);

@@ -10,6 +10,7 @@ use umbra4_core::{
 };
 use umbra4_cpu::{ClosedParts, Occluders};
 use umbra4_tests::{
+    budget,
     meshes::{Mesh, cuboid, icosphere},
     rng::Rng,
 };
@@ -226,7 +227,7 @@ fn bands_are_open_and_with_their_backs_closed() {
 fn random_meshes_of_few_vertices() {
     let mut rng = Rng::named(7, "closed");
     let (mut closed, mut open, mut mixed) = (0, 0, 0);
-    for _ in 0..4000 {
+    for _ in 0..budget::of(4000) {
         let places: Vec<IVec3> = (0..4 + rng.below(5)).map(|_| rng.point(2)).collect();
         // Each place is there twice: indices say nothing.
         let mut mesh = Mesh { vertices: [&places[..], &places[..]].concat(), triangles: vec![] };
@@ -330,7 +331,7 @@ fn winding(mesh: &[[IVec3; 3]], point: IVec3, outside: IVec3) -> Option<i32> {
 fn triangles_that_face_away_are_enough() {
     let mut rng = Rng::named(3, "chain");
     let (mut blocked, mut lit, mut otherwise) = (0, 0, 0);
-    for round in 0..120 {
+    for round in 0..budget::of(120) {
         let mut mesh = Mesh::default();
         for _ in 0..1 + rng.below(4) {
             let (at, size) = (rng.point(3000), 500 + rng.below(3000) as i32);

@@ -16,6 +16,7 @@ use umbra4_core::{
 };
 use umbra4_cpu::{CpuExecutor, Isa};
 use umbra4_tests::{
+    budget,
     clouds::{Case, KINDS, ball, beside_the_outermost, by_lookups, oracle, property, samples, table_of},
     compare::{Amount, Compared, compare_masks, compare_visibility},
     ledger::say,
@@ -59,7 +60,7 @@ fn every_bit_is_the_oracle_s() {
     let mut of_kind = [Compared::default(); KINDS.len()];
     for (name, _) in GENERATORS {
         let mut of_generator = Compared::default();
-        property(name, ROUNDS, |case| {
+        property(name, budget::of(ROUNDS), |case| {
             let Case { what, kind, inputs, cloud, expected } = case;
             let mut found = None;
             for executor in &executors {
@@ -107,7 +108,7 @@ fn tables_are_their_rule() {
     let executors = executors();
     let (mut bits, mut blocked, mut partly, mut differing) = (0, 0, 0, 0);
     for (name, _) in GENERATORS {
-        property(name, ROUNDS / 2, |case| {
+        property(name, budget::of(ROUNDS / 2), |case| {
             let Case { what, kind, inputs, cloud, expected } = case;
             let table = table_of(case);
             let (points, samples) = (inputs.receivers.points(), cloud.samples().len() as u32);
@@ -154,7 +155,7 @@ fn tables_are_their_rule() {
 fn planes_lie_in_their_cells() {
     let mut rng = Rng::named(0, "cells of planes");
     let (mut cut, mut all, mut none) = (0, 0, 0);
-    for round in 0..40_000 {
+    for round in 0..budget::of(40_000) {
         let reach = rng.pick(&[60, 1000, 1 << 20, LIMIT - 1]);
         let spread = 1 + (reach >> (1 + rng.below(11)));
         let center = rng.point(reach - spread);
@@ -215,7 +216,7 @@ fn planes_beside_the_outermost_sample() {
     let executors = executors();
     let mut rng = Rng::named(0, "outermost sample");
     let (mut blocked, mut clear) = (0, 0);
-    for round in 0..600 {
+    for round in 0..budget::of(600) {
         let (samples, inputs) = beside_the_outermost(&mut rng);
         let expected = oracle(&samples, inputs.receivers.points(), &inputs.triangles());
         let cloud = Cloud::new(&samples[..]).expect("samples are inside");
@@ -235,7 +236,7 @@ fn one_sample_is_a_point() {
     let (executor, mut blocked, mut bits) = (CpuExecutor::new(), 0, 0);
     for (name, generator) in GENERATORS {
         let mut rng = Rng::named(0, &format!("cloud point {name}"));
-        for round in 0..20 {
+        for round in 0..budget::of(20) {
             let scene = generator(&mut rng, SampleGrid::regular(4, 4));
             let samples = samples(&mut rng, &scene, KINDS[round % 5], 1);
             let Inputs { occluders, receivers, .. } = scene.inputs(0);
@@ -259,7 +260,7 @@ fn the_samples_of_an_area_light_are_that_light() {
     let (executor, mut blocked, mut bits) = (CpuExecutor::new(), 0_u64, 0);
     for (name, generator) in GENERATORS {
         let mut rng = Rng::named(0, &format!("cloud area {name}"));
-        for round in 0..12 {
+        for round in 0..budget::of(12) {
             let (rows, columns) = (1 + rng.below(32) as u32, 1 + rng.below(32) as u32);
             let mut scene = generator(&mut rng, SampleGrid { rows, columns, jitter: Jitter::NONE });
             let light = scene.light;
@@ -405,7 +406,7 @@ fn a_wrong_bit_is_noticed() {
 fn short_floats_orient_triangles() {
     let mut rng = Rng::named(0, "orientation");
     let (mut turned, mut kept, mut mixed, mut nothing) = (0, 0, 0, 0);
-    for round in 0..20_000 {
+    for round in 0..budget::of(20_000) {
         let reach = rng.pick(&[4, 1000, 1 << 20, LIMIT - 1]);
         let less = 1 + (reach >> rng.below(12));
         let samples = [rng.point(reach), rng.point(reach), rng.point(less)];

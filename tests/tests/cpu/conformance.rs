@@ -1,4 +1,4 @@
-//! Every executor against the oracle, for every word width. `UMBRA4_BITS=1e9` compares ten times as many bits.
+//! Every executor against the oracle, for every word width. `UMBRA4_BITS=1e9` compares many times as many bits.
 
 use umbra4_tests::conformance_suite;
 

@@ -9,6 +9,7 @@ use umbra4_core::{
 };
 use umbra4_cpu::{CpuExecutor, GridOptions, Index, Lit, Occluders, Receivers, SceneError};
 use umbra4_tests::{
+    budget,
     compare::{Amount, compare_masks},
     facings::{cosine, given, normal, normals, samples, sees_none, settled},
     hard_shadows,
@@ -30,7 +31,7 @@ fn facing(inputs: &Inputs, normals: &[Vec3]) -> Receivers {
 fn nothing_that_faces_a_light_is_settled() {
     let mut rng = Rng::named(0, "facing");
     let (mut away, mut clearly, mut settled) = (0, 0, 0);
-    for round in 0..20_000 {
+    for round in 0..budget::of(20_000) {
         let (rows, columns) = (1 + rng.below(9) as u32, 1 + rng.below(9) as u32);
         let extent = REACH >> rng.below(20);
         let step = |v: IVec3| v / 10 / 32 * 32;
@@ -69,7 +70,7 @@ fn nothing_that_faces_a_light_is_settled() {
 #[test]
 fn words_are_the_nearest_integers() {
     let mut rng = Rng::named(0, "words");
-    for _ in 0..100_000 {
+    for _ in 0..budget::of(100_000) {
         let extent = 1 << rng.below(21);
         let n = rng.point(extent);
         if n == IVec3::ZERO {

@@ -10,6 +10,7 @@ use umbra4_core::{
     },
     surface::Upwards,
 };
+use umbra4_tests::budget;
 
 const SIZE: [u32; 2] = [1920, 1080];
 const REACH: f64 = 64.0;
@@ -57,7 +58,7 @@ fn seen(camera: DMat4, [x, y]: [u32; 2], beside: [f64; 2], distance: f64) -> (DV
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { max_global_rejects: 1_000_000, ..ProptestConfig::with_cases(20_000) })]
+    #![proptest_config(ProptestConfig { max_global_rejects: 1_000_000, ..ProptestConfig::with_cases(budget::of(20_000)) })]
 
     #[test]
     fn the_error_of_a_position_is_within_its_bound(

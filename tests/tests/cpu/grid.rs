@@ -8,6 +8,7 @@ use umbra4_core::{
 };
 use umbra4_cpu::{Binning, CpuExecutor, GridOptions, Index, Isa, Precision, Rows};
 use umbra4_tests::{
+    budget,
     compare::{Amount, compare_masks},
     ledger::say,
     oracle::oracle_mask,
@@ -92,7 +93,7 @@ fn cells_lose_no_pair(name: &str, scene: &Scene, cells: [u32; 2]) -> [u64; 5] {
 fn no_relevant_pair_is_lost_by_cells() {
     let mut rng = Rng::named(0, "cells");
     let mut total = [0; 5];
-    for round in 0..180 {
+    for round in 0..budget::of(180) {
         let (name, generator) = GENERATORS[round % GENERATORS.len()];
         let samples = grid(&mut rng, 64);
         let mut scene = generator(&mut rng, samples);

@@ -4,6 +4,7 @@
 use umbra4_core::{AreaLight, Bounds, Lattice, Lift, glam::DVec3};
 use umbra4_cpu::{Occluders, Receivers};
 use umbra4_tests::{
+    budget,
     hard_cases::{GRIDS, HARD_CASES, OwnSurface, QUAD},
     rng::Rng,
     scene::Inputs,
@@ -37,7 +38,7 @@ fn names_are_unique() {
 fn no_surface_shadows_itself_and_without_the_lift_it_would() {
     let mut rng = Rng::named(0, "self-shadow");
     let (mut bits, mut raw) = (0, 0);
-    for _ in 0..3000 {
+    for _ in 0..budget::of(3000) {
         let surface = OwnSurface::random(&mut rng, 8, 8);
         let inputs = surface.inputs(Lift::F32_POSITIONS);
         let masks = inputs.oracle();
@@ -53,7 +54,7 @@ fn no_surface_shadows_itself_and_without_the_lift_it_would() {
 /// A lamp in the plane of a random tilted ceiling, from which no sample may be blocked.
 fn tilted_lamps(rows: u32, columns: u32, count: usize) {
     let mut rng = Rng::named(0, &format!("tilted ceiling {rows} {columns}"));
-    for _ in 0..count {
+    for _ in 0..budget::of(count) {
         // The quad is the ceiling, the lamp lies in its plane, the room is on the lit side.
         let ceiling = OwnSurface::random(&mut rng, 1, 1);
         let [a, b, _, d] = ceiling.vertices.map(|v| v.as_dvec3());

@@ -12,6 +12,7 @@ use umbra4_core::{
 };
 use umbra4_cpu::{CpuExecutor, ExecutorError, GridOptions, Index};
 use umbra4_tests::{
+    budget,
     rng::Rng,
     scene::{Inputs, WorldScene},
     scenes::world,
@@ -219,7 +220,7 @@ fn ratios_are_rounded_as_the_formats_ask() {
     for whole in (1..200).chain([1 << 12, (1 << 12) - 1]) {
         (0..=whole).for_each(|part| check(part, whole));
     }
-    for _ in 0..200_000 {
+    for _ in 0..budget::of(200_000) {
         let whole = 1 + rng.below(MOST_WHOLE as usize) as u32;
         check(rng.below(whole as usize + 1) as u32 >> rng.below(24), whole);
     }

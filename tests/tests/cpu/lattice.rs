@@ -6,7 +6,7 @@ use umbra4_core::{
     glam::{DVec3, IVec3, Vec3},
     snap::{LIMIT, snap_coordinate},
 };
-use umbra4_tests::bigint;
+use umbra4_tests::{bigint, budget};
 
 /// The lattice of step `2^-exponent`.
 fn lattice(exponent: i32) -> Lattice {
@@ -58,7 +58,7 @@ fn exponent_and_float() -> impl Strategy<Value = (i32, f32)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 100_000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: budget::of(100_000), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn the_kernel_snaps_as_the_host_does_and_both_as_integers_say((k, x) in exponent_and_float()) {

@@ -8,7 +8,7 @@ use umbra4_core::{
 };
 use umbra4_cpu::{CpuExecutor, ExecutorError, Lit, Sides, Source, Statistics};
 use umbra4_tests::{
-    hard_shadows,
+    budget, hard_shadows,
     oracle::{hit, oracle_masks},
     rng::Rng,
     scene::{Inputs, REACH},
@@ -60,7 +60,7 @@ fn weight(lit: &Lit, r: usize) -> [u32; 3] {
 #[test]
 fn the_back_has_the_same_samples() {
     let mut rng = Rng::named(0, "back");
-    for round in 0..200 {
+    for round in 0..budget::of(200) {
         let (rows, columns) = (1 + rng.below(64) as u32, 1 + rng.below(64) as u32);
         let jitter = if round % 2 == 0 { Jitter::NONE } else { Jitter::pattern(rng.next_u64() as u32) };
         let step = |v: IVec3| v * 32;

@@ -23,7 +23,7 @@ use umbra4_maps::{
     pyramid::{self, Node},
     shadow_map::texel,
 };
-use umbra4_tests::rng::Rng;
+use umbra4_tests::{budget, rng::Rng};
 
 const A: Arithmetic = Arithmetic::new(0);
 
@@ -99,7 +99,7 @@ fn corners(hull: &Hull) -> Vec<DVec2> {
 fn hulls_are_those_of_gift_wrapping() {
     let mut rng = Rng::named(0, "hulls");
     let (mut by_count, mut inside) = ([0; 5], 0);
-    for round in 0..200_000 {
+    for round in 0..budget::of(200_000) {
         let extent = [2, 3, 7, 40][round % 4];
         let mut v = [Point::default(); 4];
         v.fill_with(|| Point { x: rng.around(extent) as f32, y: rng.around(extent) as f32 });
@@ -161,7 +161,7 @@ fn bit<W: MaskWord>(mask: &rows::Mask<W>, row: u32, column: u32) -> bool {
 fn rows_are_the_samples_inside<W: MaskWord>(sizes: &[(u32, u32)]) {
     let mut rng = Rng::named(1, "rows");
     let mut compared = 0;
-    for round in 0..1200 {
+    for round in 0..budget::of(1200) {
         let (rows_, columns) = sizes[round % sizes.len()];
         let light = light(rows_, columns, Jitter::NONE);
         let (params, _) = params(&mut rng, &options(16, MicroOccluders::Microtris, Footprint::Rows), &light);
@@ -215,7 +215,7 @@ fn rows_are_the_samples_inside_64() {
 #[test]
 fn triangles_that_share_edges_share_no_sample_and_miss_none() {
     let mut rng = Rng::named(2, "mesh");
-    for round in 0..400 {
+    for round in 0..budget::of(400) {
         let light = light(32, 32, Jitter::NONE);
         let (params, _) = params(&mut rng, &options(16, MicroOccluders::Microtris, Footprint::Rows), &light);
         let step = [1.0, 2.0, 3.3, 9.0][round % 4];
@@ -326,7 +326,7 @@ fn entries_are_lines_near_the_edges_that_ask_for_them() {
         let half = DVec2::new(f64::from(columns), f64::from(rows)) * 0.5;
         let [low, _] = rectangles::light(&params).map(point);
         let middle = low + half;
-        for round in 0..20_000 {
+        for round in 0..budget::of(20_000) {
             let scale = [1.0, 10.0, 100.0][round % 3];
             let mut place = || {
                 let p = middle + DVec2::new(rng.real(half.x), rng.real(half.y)) * scale;
@@ -355,7 +355,7 @@ fn table_masks_are_near_the_hull<W: half_spaces::TableWord>(lights: &[(u32, u32,
         let (params, _) = params(&mut rng, &options(16, MicroOccluders::Microtris, Footprint::Table(fineness)), &light);
         let (table, places) = (table(&light, fineness), samples(&light));
         let (mut wrong, mut all) = (0, 0);
-        for _ in 0..300 {
+        for _ in 0..budget::of(300) {
             let mut v = [Point::default(); 4];
             v.fill_with(|| Point {
                 x: (rng.unit() * 1.5 - 0.25) as f32 * columns as f32,
@@ -412,7 +412,7 @@ fn table_masks_are_near_the_hull_in_all_words() {
 #[test]
 fn rectangles_and_areas_are_those_of_direct_evaluation() {
     let mut rng = Rng::named(6, "rectangles");
-    for _ in 0..20_000 {
+    for _ in 0..budget::of(20_000) {
         let (rows_, columns) = rng.pick(&[(8, 8), (16, 16), (32, 32), (5, 31)]);
         let light = light(rows_, columns, Jitter::NONE);
         let (params, _) = params(&mut rng, &options(16, MicroOccluders::Microquads, Footprint::Rectangles), &light);
@@ -445,7 +445,7 @@ fn rectangles_and_areas_are_those_of_direct_evaluation() {
 fn projected_texels_lie_where_lines_meet_the_light() {
     let mut rng = Rng::named(7, "projection");
     let mut compared = 0;
-    for round in 0..2000 {
+    for round in 0..budget::of(2000) {
         let jitter = if round % 2 == 0 { Jitter::NONE } else { Jitter::pattern(9) };
         let light = light(32, 16, jitter);
         let (params, receivers) = params(&mut rng, &options(256, MicroOccluders::Microtris, Footprint::Area), &light);
@@ -485,7 +485,7 @@ fn drawn_triangles_are_those_that_rays_meet() {
     let light = light(32, 32, Jitter::NONE);
     let axes = LightAxes::new(&light);
     let (mut covered, mut uncovered, mut small) = (0, 0, 0);
-    for round in 0..600 {
+    for round in 0..budget::of(600) {
         let mut options = options(64, MicroOccluders::Microtris, Footprint::Rows);
         options.map.slope_bias = 0.0;
         let (params, _) = params(&mut rng, &options, &light);
@@ -674,7 +674,7 @@ fn searched<G: Gathered + Clone>(
 ) -> [u32; 3] {
     let mut rng = Rng::named(10, "search");
     let mut ways = [0; 3];
-    for _ in 0..20 {
+    for _ in 0..budget::of(20) {
         let light = light(16, 16, jitter);
         let (params, receivers) = params(&mut rng, &options(64, kind, footprint), &light);
         let table = match footprint {

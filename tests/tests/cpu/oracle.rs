@@ -2,7 +2,7 @@
 
 use umbra4_core::{LatticeLight, exact, glam::IVec3, wide::Limbs};
 use umbra4_tests::{
-    bigint,
+    bigint, budget,
     oracle::{oracle_bit, oracle_masks},
     rng::Rng,
     scene::Scene,
@@ -26,7 +26,7 @@ fn corners(scene: &Scene) -> Vec<[IVec3; 3]> {
 fn for_bits(name: &str, bits: usize, each: usize, most_triangles: usize, mut check: impl FnMut(Bit<'_>)) {
     let mut rng = Rng::named(0, name);
     let (mut seen, mut set) = (0, 0);
-    while seen < bits {
+    while seen < budget::of(bits) {
         for (_, generator) in GENERATORS {
             let mut samples = grid(&mut rng, 64);
             if rng.one_in(3) {

@@ -15,6 +15,7 @@ use umbra4_core::{
 };
 use umbra4_cpu::{CpuExecutor, Index, Occluders, Precision, Receivers};
 use umbra4_tests::{
+    budget,
     compare::{Amount, compare_masks},
     ledger::say,
     oracle::oracle_mask,
@@ -104,7 +105,7 @@ fn fast_fails_on_the_scenes_of_the_suite() {
     for name in ["coarse_grid", "in_planes", "full_coverage", "slivers", "tiny"] {
         let (_, generator) = GENERATORS.iter().find(|(n, _)| *n == name).expect("a generator has this name");
         let (mut bits, mut differing) = (0, 0);
-        for _ in 0..100 {
+        for _ in 0..budget::of(100) {
             let inputs = generator(&mut rng, SampleGrid::regular(16, 16)).inputs(0);
             let (masks, _) =
                 fast.masks::<u16>(&inputs.occluders, &inputs.light, &inputs.receivers).expect("the word fits");
@@ -124,7 +125,7 @@ fn fast_fails_on_the_scenes_of_the_suite() {
 fn no_relevant_pair_is_dropped() {
     let mut rng = Rng::named(0, "full coverage");
     let (mut relevant, mut kept, mut pairs) = (0_u64, 0_u64, 0_u64);
-    for round in 0..150 {
+    for round in 0..budget::of(150) {
         let (name, generator) = GENERATORS[round % GENERATORS.len()];
         let mut samples = grid(&mut rng, 64);
         if rng.one_in(3) {

@@ -9,6 +9,7 @@ use umbra4_core::{
 };
 use umbra4_cpu::{CpuExecutor, HardShadows, Isa, Statistics};
 use umbra4_tests::{
+    budget,
     compare::{Amount, Compared, compare_masks},
     hard_shadows::{oracle, property},
     ledger::say,
@@ -40,7 +41,7 @@ fn every_bit_is_the_oracle_s() {
         .collect();
     let mut total = Compared::default();
     for ((name, _), executor) in GENERATORS.iter().flat_map(|g| executors.iter().map(move |e| (g, e))) {
-        let compared = property(name, ROUNDS, |inputs, light| {
+        let compared = property(name, budget::of(ROUNDS), |inputs, light| {
             let found = executor.hard_shadows(&inputs.occluders, light, &inputs.receivers);
             Ok(bits(&found.map_err(|error| format!("{}: {error}", executor.isa()))?.0))
         });
@@ -54,7 +55,7 @@ fn every_bit_is_the_oracle_s() {
 #[test]
 fn directions_are_far_points() {
     let mut rng = Rng::named(0, "far");
-    let (mut blocked, rounds) = (0, 20_000);
+    let (mut blocked, rounds) = (0, budget::of(20_000));
     for _ in 0..rounds {
         let triangle = [rng.point(6), rng.point(6), rng.point(6)];
         let (p, towards) = (rng.point(6), rng.point(3));
@@ -108,7 +109,7 @@ fn directions_beside_an_axis() {
     let mut rng = Rng::named(0, "beside an axis");
     let (mut blocked, mut cases) = (0, 0);
     for axis in 0..3 {
-        for _ in 0..400 {
+        for _ in 0..budget::of(400) {
             let mut towards = [0; 3];
             towards[axis] = if rng.one_in(2) { LIMIT } else { -LIMIT };
             let tilt = 1 << rng.below(16);

@@ -2,6 +2,7 @@
 
 use umbra4_core::{Bounds, Lattice};
 use umbra4_tests::{
+    budget,
     ledger::say,
     oracle::hit,
     rng::Rng,
@@ -43,7 +44,7 @@ fn compare(scene: &WorldScene, lattice: Lattice) -> Report {
 fn compare_all(name: &str, scenes: usize, lattice: impl Fn(Bounds) -> Lattice) -> Report {
     let mut rng = Rng::named(0, name);
     let mut total = Report { bits: 0, differing: 0, blocked: 0 };
-    for k in 0..scenes {
+    for k in 0..budget::of(scenes) {
         let (rows, columns) = [(16, 16), (8, 32), (5, 15)][k % 3];
         let scene = world(&mut rng, rows, columns, 80, 24);
         let report = compare(&scene, lattice(scene.bounds()));

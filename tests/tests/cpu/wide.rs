@@ -6,7 +6,7 @@ use umbra4_core::{
     glam::IVec3,
     wide::{Limbs, WideInt},
 };
-use umbra4_tests::bigint;
+use umbra4_tests::{bigint, budget};
 
 /// Takes an integer modulo 2^96 to `-2^95..2^95`.
 fn wrap(x: i128) -> i128 {
@@ -66,7 +66,7 @@ fn point() -> impl Strategy<Value = IVec3> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: budget::of(20_000), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn operations_agree_modulo_2_96(a in integer(), b in integer(), m in factor(), n in factor()) {

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use umbra4_core::{MaskWord, PairWord};
-use umbra4_tests::compare::bits_of;
+use umbra4_tests::{budget, compare::bits_of};
 
 /// `0..end` as bits, written without a shift by the whole width.
 fn below(end: u32) -> u64 {
@@ -77,7 +77,7 @@ fn the_ends_by_hand() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 4096, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: budget::of(4096), failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn words_are_sets(a: u64, b: u64) {

@@ -12,6 +12,7 @@ use umbra4_core::{
 };
 use umbra4_cpu::CpuWord;
 use umbra4_tests::{
+    budget,
     caster_inputs::CasterInputs,
     caster_oracle::Decisions,
     caster_scenes::GENERATORS,
@@ -75,7 +76,7 @@ fn property(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
     let mut rng = Rng::named(1, &format!("casters on a GPU {name}"));
     let subject = GpuCasters(executor);
     let (mut total, mut decisions) = (Compared::default(), Decisions::default());
-    for (round, (rows, columns)) in GRIDS.into_iter().enumerate() {
+    for (round, (rows, columns)) in GRIDS.into_iter().cycle().take(budget::of(GRIDS.len())).enumerate() {
         let grid = SampleGrid::regular(rows, columns);
         let grid = if round % 3 == 2 { grid.jittered(&mut rng) } else { grid };
         let scene = generator(&mut rng, grid);

@@ -9,6 +9,7 @@ use umbra4_core::{
 };
 use umbra4_cpu::{CpuExecutor, Occluders};
 use umbra4_tests::{
+    budget,
     clouds::{Case, KINDS, ball, beside_the_outermost, by_lookups, oracle, property, samples, table_of},
     compare::{Amount, compare_masks, compare_visibility},
     facings,
@@ -44,7 +45,7 @@ fn check(executor: &WgpuExecutor, inputs: &Inputs, cloud: &Cloud<&[IVec3]>, expe
 
 fn oracle_s(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
     let (mut bits, mut blocked, mut fallbacks, mut failed) = (0, 0, 0, None);
-    property(name, ROUNDS, |Case { what, inputs, cloud, expected, .. }| {
+    property(name, budget::of(ROUNDS), |Case { what, inputs, cloud, expected, .. }| {
         match check(executor, inputs, cloud, expected) {
             Ok(decided) => fallbacks += decided,
             Err(error) => failed = failed.take().or(Some(format!("{what}: {error}"))),
@@ -67,7 +68,7 @@ fn oracle_s(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
 fn by_table(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
     let (mut bits, mut blocked, mut differing, mut failed) = (0, 0, 0, None);
     let mut rng = Rng::named(1, &format!("tables, facing {name}"));
-    property(name, ROUNDS, |case| {
+    property(name, budget::of(ROUNDS), |case| {
         let wanted = match check_table(executor, case, &mut rng) {
             Ok(wanted) => wanted,
             Err(error) => {
@@ -183,7 +184,7 @@ fn fast(executor: &WgpuExecutor, _: &str) -> Result<(), Failed> {
 fn outermost(executor: &WgpuExecutor, _: &str) -> Result<(), Failed> {
     let mut rng = Rng::named(0, "outermost sample");
     let (mut blocked, mut clear) = (0, 0);
-    for round in 0..60 {
+    for round in 0..budget::of(60) {
         let (samples, inputs) = beside_the_outermost(&mut rng);
         let expected = oracle(&samples, inputs.receivers.points(), &inputs.triangles());
         let cloud = Cloud::new(&samples[..])?;

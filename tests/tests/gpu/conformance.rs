@@ -6,6 +6,7 @@ use libtest_mimic::{Completion, Failed};
 use umbra4_core::PairWord;
 use umbra4_cpu::CpuWord;
 use umbra4_tests::{
+    budget,
     gpu::{Test, Wgpu},
     ledger::Ledger,
     scenes::GENERATORS,
@@ -66,12 +67,13 @@ fn of_word<W: CpuWord>(prefix: &str, word: &'static str, shared: &Arc<Shared>) -
 }
 
 pub fn tests() -> Vec<Test> {
+    let bits = budget::of(BITS);
     let of_loading = |(prefix, loading)| {
         let shared = Arc::new(Shared {
             loading,
             subject: OnceLock::new(),
-            ledger: Ledger::new(WORDS * (GENERATORS.len() + 1), BITS),
-            bits: BITS.div_ceil((WORDS * GENERATORS.len()) as u64),
+            ledger: Ledger::new(WORDS * (GENERATORS.len() + 1), bits),
+            bits: bits.div_ceil((WORDS * GENERATORS.len()) as u64),
         });
         [
             of_word::<u16>(prefix, "u16", &shared),

@@ -8,7 +8,7 @@ use umbra4_core::{
 };
 use umbra4_cpu::CpuExecutor;
 use umbra4_tests::{
-    facings,
+    budget, facings,
     gpu::{Check, Test, of_executor, scene},
     hard_shadows::property,
     irradiance,
@@ -24,8 +24,13 @@ const ROUNDS: usize = 3;
 /// One of each way to store rows, and of the ends of each.
 const GRIDS: [(u32, u32); 6] = [(16, 16), (5, 31), (64, 64), (1, 1), (33, 17), (7, 33)];
 
+/// All of them, as often as the budget has it.
+fn grids() -> impl Iterator<Item = (u32, u32)> {
+    GRIDS.into_iter().cycle().take(budget::of(GRIDS.len()))
+}
+
 fn hard_shadows(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
-    let compared = property(name, ROUNDS, |inputs, light| {
+    let compared = property(name, budget::of(ROUNDS), |inputs, light| {
         let points = inputs.receivers.points();
         let (words, statistics) = executor.hard_shadows(&scene(inputs), light, points).map_err(|e| e.to_string())?;
         if words.len() != points.len().div_ceil(32) {
@@ -47,7 +52,7 @@ fn hard_shadows(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
 fn emission(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
     let (_, generator) = GENERATORS.iter().find(|(n, _)| *n == name).ok_or("no such generator")?;
     let mut rng = Rng::named(1, &format!("emission {name}"));
-    for (round, (rows, columns)) in GRIDS.into_iter().enumerate() {
+    for (round, (rows, columns)) in grids().enumerate() {
         let grid = SampleGrid::regular(rows, columns);
         let grid = if round % 2 == 1 { grid.jittered(&mut rng) } else { grid };
         let inputs = generator(&mut rng, grid).inputs(EXPONENTS[round % EXPONENTS.len()]);
@@ -71,7 +76,7 @@ fn facing(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
     let (_, generator) = GENERATORS.iter().find(|(n, _)| *n == name).ok_or("no such generator")?;
     let mut rng = Rng::named(1, &format!("facing {name}"));
     let (processor, mut away) = (CpuExecutor::new(), 0);
-    for (round, (rows, columns)) in GRIDS.into_iter().enumerate() {
+    for (round, (rows, columns)) in grids().enumerate() {
         let grid = SampleGrid::regular(rows, columns);
         let grid = if round % 2 == 1 && rows * columns < 1024 { grid.jittered(&mut rng) } else { grid };
         let inputs = generator(&mut rng, grid).inputs(EXPONENTS[round % EXPONENTS.len()]);
@@ -99,7 +104,7 @@ fn irradiance(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
     let (_, generator) = GENERATORS.iter().find(|(n, _)| *n == name).ok_or("no such generator")?;
     let mut rng = Rng::named(1, &format!("irradiance {name}"));
     let (mut worst, mut apart, mut lit) = (0.0_f64, 0.0_f64, 0);
-    for (round, (rows, columns)) in GRIDS.into_iter().enumerate() {
+    for (round, (rows, columns)) in grids().enumerate() {
         let grid = SampleGrid::regular(rows, columns);
         let grid = if round % 2 == 1 { grid.jittered(&mut rng) } else { grid };
         let inputs = generator(&mut rng, grid).inputs(EXPONENTS[round % EXPONENTS.len()]);

@@ -16,6 +16,7 @@ use umbra4_cpu::{
     },
 };
 use umbra4_tests::{
+    budget,
     compare::bits_of,
     facings,
     gpu::{Check, Test, test},
@@ -173,7 +174,7 @@ fn generated(executor: &WgpuExecutor, name: &str) -> Result<(), Failed> {
     let mut rng = Rng::named(0, &format!("microquads {name}"));
     let mut tally = Tally::default();
     for bits in [16, 32, 64] {
-        for round in 0..3 {
+        for round in 0..budget::of(3) {
             let grid = scenes::grid(&mut rng, bits);
             let grid = if round == 1 { grid.jittered(&mut rng) } else { SampleGrid::regular(grid.rows, grid.columns) };
             let inputs = generator(&mut rng, grid).inputs(0);

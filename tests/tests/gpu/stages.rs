@@ -23,6 +23,7 @@ use umbra4_core::{
 };
 use umbra4_tests::{
     alone::{OnDevice, Told, on_host},
+    budget,
     compare::{Amount, compare_masks},
     facings::{self, settled},
     gpu::{Test, test},
@@ -197,7 +198,7 @@ fn every_kernel_alone(gpu: &Gpu, generator: usize) -> Result<(), Failed> {
     let (name, generate) = GENERATORS[generator];
     let mut device = OnDevice::new(gpu);
     let (mut relevant, mut words, mut away) = (0, 0, 0);
-    for seed in 0..SEEDS {
+    for seed in 0..budget::of(SEEDS) {
         let mut rng = Rng::named(seed, name);
         let mut samples = scenes::grid(&mut rng, [16, 32, 64][seed as usize % 3]);
         if seed >= 2 {
@@ -283,7 +284,7 @@ fn every_punctual_kernel_alone(gpu: &Gpu, generator: usize) -> Result<(), Failed
     let (name, _) = GENERATORS[generator];
     let device = RefCell::new(OnDevice::new(gpu));
     let (relevant, lights) = (RefCell::new(0), RefCell::new(0));
-    let compared = property(name, PUNCTUAL_ROUNDS, |inputs, light| {
+    let compared = property(name, budget::of(PUNCTUAL_ROUNDS), |inputs, light| {
         let counted = *lights.borrow() % 2 == 1;
         *lights.borrow_mut() += 1;
         let (found, bits) = punctual_masks(inputs, light, counted, &[], &mut device.borrow_mut())?;
