@@ -19,6 +19,14 @@ pub const TILE: usize = 1;
 /// A value for every row, or for every column, of a light: lane-major tiles.
 pub type Table = [[f32; TILE]; MAX_SAMPLES as usize / TILE];
 
+/// A piece of work that is compiled as a function of its own, see [`Lanes::apart`].
+pub trait Apart {
+    /// What comes of it.
+    type Found;
+    /// Does the work. Implementations are `#[inline(always)]`: what is called instead is compiled without the instruction set.
+    fn run(self) -> Self::Found;
+}
+
 /// A vector of f32 lanes with the masks and integers that go with it.
 ///
 /// Results need not be the same on all implementations: whatever decides a bit is certified with
@@ -102,6 +110,9 @@ pub trait Lanes: Copy {
     fn largest(self) -> f32;
     /// Bit l is set where `a < b` in lane l.
     fn less(a: Self::Ints, b: Self::Ints) -> u32;
+    /// Does a piece of work in a function of its own, compiled for the lanes' instruction set, so that all its callers share one copy:
+    /// what is large takes compilers minutes where it is inlined into every stage and for every word.
+    fn apart<A: Apart>(work: A) -> A::Found;
     /// Three axes' dot products with four integer vectors, axis-major, rounded to f32.
     #[inline(always)]
     fn dots(axes: &[Axis<Self::Long>; 3], d: &[[i32; 4]; 3]) -> [[f32; 4]; 3] {
@@ -243,6 +254,11 @@ impl Lanes for f32 {
     #[inline(always)]
     fn less(a: i32, b: i32) -> u32 {
         (a < b) as u32
+    }
+    #[cfg_attr(target_arch = "spirv", inline(always))]
+    #[cfg_attr(not(target_arch = "spirv"), inline(never))]
+    fn apart<A: Apart>(work: A) -> A::Found {
+        work.run()
     }
 }
 
@@ -427,5 +443,9 @@ impl<const N: usize> Lanes for Array<N> {
     #[inline(always)]
     fn less(a: Self::Ints, b: Self::Ints) -> u32 {
         Self::bits(each!(k => a[k] < b[k]))
+    }
+    #[inline(never)]
+    fn apart<A: Apart>(work: A) -> A::Found {
+        work.run()
     }
 }

@@ -43,10 +43,13 @@ pub(crate) struct CloudInput<'a, T> {
     pub(crate) extent: [IVec3; 2],
 }
 
+/// Whoever is handed every receiver, its mask, and how many samples it sees.
+type CloudVisit<'a> = &'a (dyn Fn(usize, &CloudMask, u32) + Sync);
+
 /// An executor for one cloud. `visit` is handed every receiver, its mask, and how many samples it sees.
-pub(crate) struct CloudRun<'a, T, V> {
+pub(crate) struct CloudRun<'a, T> {
     input: CloudInput<'a, T>,
-    visit: &'a V,
+    visit: CloudVisit<'a>,
     order: Vec<u32>,
     triangles: CloudTriangles,
     curve: Curve,
@@ -56,8 +59,8 @@ pub(crate) struct CloudRun<'a, T, V> {
     statistics: Statistics,
 }
 
-impl<'a, T: CloudKernels, V: Fn(usize, &CloudMask, u32) + Sync> CloudRun<'a, T, V> {
-    pub(crate) fn new(input: CloudInput<'a, T>, visit: &'a V) -> Self {
+impl<'a, T: CloudKernels> CloudRun<'a, T> {
+    pub(crate) fn new(input: CloudInput<'a, T>, visit: CloudVisit<'a>) -> Self {
         Self {
             input,
             visit,
@@ -145,7 +148,7 @@ impl<'a, T: CloudKernels, V: Fn(usize, &CloudMask, u32) + Sync> CloudRun<'a, T, 
     }
 }
 
-impl<T: CloudKernels, V: Fn(usize, &CloudMask, u32) + Sync> Executor for CloudRun<'_, T, V> {
+impl<T: CloudKernels> Executor for CloudRun<'_, T> {
     type Error = ExecutorError;
 
     fn dispatch(&mut self, pass: &Pass) -> Result<(), ExecutorError> {

@@ -406,10 +406,9 @@ impl CpuExecutor {
         receivers: &Receivers,
         reduction: R,
     ) -> Result<(Vec<R::Value>, Statistics), ExecutorError> {
-        // The narrowest word that holds a row: more rows fit a register.
+        // The narrowest word that has kernels and holds a row: more rows fit a register.
         match light.columns {
-            0..=16 => self.reduced::<u16, R>(occluders, light, receivers, &reduction),
-            17..=32 => self.reduced::<u32, R>(occluders, light, receivers, &reduction),
+            0..=32 => self.reduced::<u32, R>(occluders, light, receivers, &reduction),
             _ => self.reduced::<u64, R>(occluders, light, receivers, &reduction),
         }
     }
@@ -457,13 +456,13 @@ impl CpuExecutor {
                     visit(answer.with_rows(W::of_jittered(answer.rows, &mut room)));
                 };
                 let samples = Pattern::of(light);
-                Run::<W::Jittered, _, _>::new(how, occluders, *light, &samples, receivers, &visit).finish()
+                Run::<W::Jittered, _>::new(how, occluders, *light, &samples, receivers, &visit).finish()
             } else {
                 let visit = |answer: Answer<'_, W::Regular>| {
                     let mut room = room;
                     visit(answer.with_rows(W::of_regular(answer.rows, &mut room)));
                 };
-                Run::<W::Regular, _, _>::new(how, occluders, *light, &Regular, receivers, &visit).finish()
+                Run::<W::Regular, _>::new(how, occluders, *light, &Regular, receivers, &visit).finish()
             }
         };
         self.install(work)
@@ -490,6 +489,9 @@ fn punctual_plan(triangles: usize, receivers: usize, reached: bool, facing: bool
         ..SceneFacts::default()
     })
 }
+
+/// Whoever the masks go to, receiver by receiver. Not a type of its own for every caller: runs would be compiled anew for each.
+pub(crate) type Visit<'a, W> = &'a (dyn Fn(Answer<'_, W>) + Sync);
 
 /// One receiver's result.
 pub(crate) struct Answer<'a, W> {

@@ -25,7 +25,11 @@ use umbra4_core::{
 };
 use umbra4_cpu_kernels::{Detected, Kernels};
 
-use crate::{ExecutorError, block, executor::Answer, scatter::Scatter};
+use crate::{
+    ExecutorError, block,
+    executor::{Answer, Visit},
+    scatter::Scatter,
+};
 
 /// How triangles and receivers are paired: the masks are the same bits, the time is not.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -222,11 +226,7 @@ impl Cells {
     }
 
     /// Algorithm 1, lines 18 to 24, or Algorithm 3. Every receiver of the block is visited once.
-    pub(crate) fn resolve<W: Kernels<S>, S>(
-        &self,
-        input: &CellsInput<'_>,
-        visit: &(impl Fn(Answer<'_, W>) + Sync),
-    ) -> Counts {
+    pub(crate) fn resolve<W: Kernels<S>, S>(&self, input: &CellsInput<'_>, visit: Visit<'_, W>) -> Counts {
         let light = &input.light.light;
         let rows = light.rows as usize;
         let full = vec![W::below(light.columns); rows];
@@ -296,7 +296,7 @@ impl Cells {
         &self,
         input: &CellsInput<'_>,
         lists: &[(&[u32], &[u32])],
-        visit: &(impl Fn(Answer<'_, W>) + Sync),
+        visit: Visit<'_, W>,
     ) -> Counts {
         let rows = input.light.light.rows as usize;
         let count = input.keys.len();

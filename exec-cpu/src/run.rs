@@ -1,6 +1,6 @@
 //! One run: the stages as rayon jobs, over the buffers of this run.
 
-use std::{marker::PhantomData, sync::Mutex, time::Instant};
+use std::{sync::Mutex, time::Instant};
 
 use rayon::prelude::*;
 use umbra4_core::{
@@ -22,7 +22,7 @@ use umbra4_cpu_kernels::{Detected, Kernels};
 
 use crate::{
     ExecutorError, Index, Occluders, Receivers, Statistics, block,
-    executor::Answer,
+    executor::{Answer, Visit},
     grid::{Cells, CellsInput},
     hierarchy::build_level_of,
     open_sides::MOST_TRIANGLES,
@@ -45,12 +45,12 @@ pub(crate) struct How<'a> {
 
 /// An executor for one light and one set of receivers. Masks go to `visit` as soon as they are done; reducing them is
 /// the visitor's, so that they need not be stored.
-pub(crate) struct Run<'a, W, S, V> {
+pub(crate) struct Run<'a, W, S> {
     how: How<'a>,
     samples: &'a S,
     occluders: &'a Occluders,
     receivers: &'a Receivers,
-    visit: &'a V,
+    visit: Visit<'a, W>,
     grid: LightGrid,
     keyed: KeyedTriangles,
     packed: PackedTriangles,
@@ -63,17 +63,16 @@ pub(crate) struct Run<'a, W, S, V> {
     cells: Cells,
     silhouette: Option<Silhouette>,
     statistics: Statistics,
-    kind: PhantomData<W>,
 }
 
-impl<'a, W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, S, V> {
+impl<'a, W: Kernels<S>, S: Sync> Run<'a, W, S> {
     pub(crate) fn new(
         how: How<'a>,
         occluders: &'a Occluders,
         light: LatticeLight,
         samples: &'a S,
         receivers: &'a Receivers,
-        visit: &'a V,
+        visit: Visit<'a, W>,
     ) -> Self {
         Self {
             how,
@@ -91,7 +90,6 @@ impl<'a, W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, S, V> {
             cells: Cells::default(),
             silhouette: None,
             statistics: Statistics::default(),
-            kind: PhantomData,
         }
     }
 
@@ -191,7 +189,7 @@ impl<'a, W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'a, W, S, V> {
     }
 }
 
-impl<W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'_, W, S, V> {
+impl<W: Kernels<S>, S: Sync> Run<'_, W, S> {
     /// The stages of the grid, for the block of `count` receivers from `first`.
     fn run_cells(&mut self, stage: Stage, first: usize) -> Result<(), ExecutorError> {
         let Index::Grid(options) = self.how.index else { return Ok(()) };
@@ -218,7 +216,7 @@ impl<W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Run<'_, W, S, V> {
     }
 }
 
-impl<W: Kernels<S>, S: Sync, V: Fn(Answer<'_, W>) + Sync> Executor for Run<'_, W, S, V> {
+impl<W: Kernels<S>, S: Sync> Executor for Run<'_, W, S> {
     type Error = ExecutorError;
 
     fn dispatch(&mut self, pass: &Pass) -> Result<(), ExecutorError> {

@@ -39,14 +39,14 @@ fn pair(word: u64) -> PairWord {
 }
 
 impl CpuWord for u16 {
-    type Regular = Self;
+    type Regular = u32;
     type Jittered = u32;
 
-    fn of_regular<'a>(rows: &'a [Self], _: &'a mut [Self]) -> &'a [Self] {
-        rows
+    // A row has no bits beyond the light's columns.
+    fn of_regular<'a>(rows: &'a [u32], room: &'a mut [Self]) -> &'a [Self] {
+        converted(rows, room, |row| row as Self)
     }
 
-    // A row has no bits beyond the light's columns.
     fn of_jittered<'a>(rows: &'a [u32], room: &'a mut [Self]) -> &'a [Self] {
         converted(rows, room, |row| row as Self)
     }

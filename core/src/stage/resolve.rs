@@ -8,6 +8,11 @@
 // On a GPU no structure holds references: what goes together is handed on one by one.
 #![allow(clippy::too_many_arguments)]
 
+#[cfg(not(target_arch = "spirv"))]
+use core::marker::PhantomData;
+
+#[cfg(not(target_arch = "spirv"))]
+use crate::lanes::Apart;
 use crate::{
     bit_mask,
     doubt::PairIntegers,
@@ -246,20 +251,26 @@ impl<R: Real> Meeting<R> {
         kept: u32,
         group: &mut Group<W>,
     ) {
-        let Self { view, three, four } = self;
-        if TILE == 1 {
+        #[cfg(not(target_arch = "spirv"))]
+        {
+            let (Self { view, three, four }, mode) = (self, PhantomData);
+            if occluder.is_mixed() {
+                let kept = before(&group.receivers, occluder, kept);
+                if kept != 0 {
+                    L::apart(Met::<L, W, P, S, 4> { room: four, grid, samples, view, occluder, kept, group, mode });
+                }
+            } else {
+                L::apart(Met::<L, W, P, S, 3> { room: three, grid, samples, view, occluder, kept, group, mode });
+            }
+        }
+        #[cfg(target_arch = "spirv")]
+        {
+            let Self { view, four, .. } = self;
             let kept = before(&group.receivers, occluder, kept);
             if kept != 0 {
                 // One code for both: a kernel of half the size.
                 four.meet::<L, W, P, S>(grid, samples, view, occluder, occluder.is_mixed(), kept, group);
             }
-        } else if occluder.is_mixed() {
-            let kept = before(&group.receivers, occluder, kept);
-            if kept != 0 {
-                four.meet::<L, W, P, S>(grid, samples, view, occluder, true, kept, group);
-            }
-        } else {
-            three.meet::<L, W, P, S>(grid, samples, view, occluder, false, kept, group);
         }
     }
 
@@ -300,6 +311,30 @@ fn before(receivers: &ReceiverTile, occluder: &Occluder, kept: u32) -> u32 {
         found |= ((far < 0) as u32) << lane;
     }
     found
+}
+
+/// One triangle of `E` planes that meets the receivers in `kept`. All stages, for all kinds of casters, share this code.
+#[cfg(not(target_arch = "spirv"))]
+struct Met<'a, L: Lanes, W, P, S, const E: usize> {
+    room: &'a mut Room<E>,
+    grid: &'a LightGrid,
+    samples: &'a S,
+    view: &'a View<L::Long>,
+    occluder: &'a Occluder,
+    kept: u32,
+    group: &'a mut Group<W>,
+    mode: PhantomData<P>,
+}
+
+#[cfg(not(target_arch = "spirv"))]
+impl<L: Lanes, W: MaskWord, P: PrecisionMode, S: Samples, const E: usize> Apart for Met<'_, L, W, P, S, E> {
+    type Found = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { room, grid, samples, view, occluder, kept, group, .. } = self;
+        room.meet::<L, W, P, S>(grid, samples, view, occluder, E > 3, kept, group);
+    }
 }
 
 /// Room for the lines of one triangle with `E` planes. (Here and below all is inlined: a function of its own would be

@@ -28,6 +28,12 @@ pub(crate) struct CasterAnswer<'a> {
     pub(crate) lit: bool,
 }
 
+/// Whoever the masks go to, receiver by receiver.
+type CasterVisit<'a> = &'a (dyn Fn(CasterAnswer<'_>) + Sync);
+
+/// What a caster does to a group, with room for masks.
+type ShadowWork<'a> = &'a (dyn Fn(&IndexedCaster, &mut Shadowed, &mut Group<u64>) + Sync);
+
 /// Sixteen receivers, their masks, and what panes put before their samples.
 struct Shadowed {
     group: Group<u64>,
@@ -38,12 +44,12 @@ struct Shadowed {
 }
 
 /// An executor for casters and one set of receivers. Masks go to `visit` as soon as they are done.
-pub(crate) struct CasterRun<'a, S, V> {
+pub(crate) struct CasterRun<'a, S> {
     index: &'a CasterIndex,
     isa: Detected,
     samples: &'a S,
     receivers: &'a Receivers,
-    visit: &'a V,
+    visit: CasterVisit<'a>,
     keys: Vec<Option<Keys>>,
     order: Vec<Entry>,
     /// Of the block, in order.
@@ -57,7 +63,7 @@ pub(crate) struct CasterRun<'a, S, V> {
     pub(crate) statistics: Statistics,
 }
 
-impl<'a, S: Sync, V: Fn(CasterAnswer<'_>) + Sync> CasterRun<'a, S, V>
+impl<'a, S: Sync> CasterRun<'a, S>
 where
     u64: CasterKernels<S>,
 {
@@ -66,7 +72,7 @@ where
         isa: Detected,
         samples: &'a S,
         receivers: &'a Receivers,
-        visit: &'a V,
+        visit: CasterVisit<'a>,
     ) -> Self {
         Self {
             index,
@@ -128,7 +134,7 @@ where
     }
 
     /// Has every caster of a kind work on every group.
-    fn shadow(&mut self, kind: CasterWork, work: impl Fn(&IndexedCaster, &mut Shadowed, &mut Group<u64>) + Sync) {
+    fn shadow(&mut self, kind: CasterWork, work: ShadowWork<'_>) {
         let (casters, selected, rows) = (&self.index.casters, &self.selected, self.index.grid.light.rows);
         let groups = self.groups[..self.filled].par_iter_mut().enumerate().with_min_len(GROUPS_A_JOB);
         let on_group = |room: &mut Box<Group<u64>>, (place, shadowed): (usize, &mut Shadowed)| {
@@ -147,14 +153,14 @@ where
 
     fn resolve(&mut self) {
         let (grid, isa, samples) = (&self.index.grid, self.isa, self.samples);
-        self.shadow(CasterWork::Plain, |caster, shadowed, _| {
+        self.shadow(CasterWork::Plain, &|caster, shadowed, _| {
             u64::resolve(isa, Precision::Exact, &caster.occlusion(grid), samples, &mut shadowed.group);
         });
     }
 
     fn resolve_cutout(&mut self) {
         let (grid, isa, samples) = (&self.index.grid, self.isa, self.samples);
-        self.shadow(CasterWork::Cutout, |caster, shadowed, room| {
+        self.shadow(CasterWork::Cutout, &|caster, shadowed, room| {
             u64::resolve_cutout(isa, &caster.cutout(grid), samples, &mut shadowed.group, room);
         });
     }
@@ -162,7 +168,7 @@ where
     fn add_tint(&mut self) {
         let (grid, isa, samples) = (&self.index.grid, self.isa, self.samples);
         let count = grid.light.sample_count() as usize * TILE;
-        self.shadow(CasterWork::Tinted, |caster, shadowed, room| {
+        self.shadow(CasterWork::Tinted, &|caster, shadowed, room| {
             let Shadowed { group, depths, tinted } = shadowed;
             depths.resize(count, Depth::CLEAR);
             u64::add_tint(isa, &caster.tint(grid), samples, group, room, depths, tinted);
@@ -191,7 +197,7 @@ where
     }
 }
 
-impl<S: Sync, V: Fn(CasterAnswer<'_>) + Sync> CasterRun<'_, S, V>
+impl<S: Sync> CasterRun<'_, S>
 where
     u64: CasterKernels<S>,
 {
@@ -210,7 +216,7 @@ where
     }
 }
 
-impl<S: Sync, V: Fn(CasterAnswer<'_>) + Sync> Executor for CasterRun<'_, S, V>
+impl<S: Sync> Executor for CasterRun<'_, S>
 where
     u64: CasterKernels<S>,
 {

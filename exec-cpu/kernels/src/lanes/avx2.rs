@@ -3,7 +3,7 @@
 use core::arch::x86_64::*;
 
 use umbra4_core::{
-    lanes::{Lanes, TILE, Table},
+    lanes::{Apart, Lanes, TILE, Table},
     light::MAX_SAMPLES,
 };
 
@@ -216,7 +216,19 @@ impl Lanes for Avx2 {
         Self::bits(intrinsics!(Pair(_mm256_cmpgt_epi32(b.0, a.0), _mm256_cmpgt_epi32(b.1, a.1))))
     }
     #[inline(always)]
+    fn apart<A: Apart>(work: A) -> A::Found {
+        // SAFETY: whoever has these lanes was called for a processor that was found to have the instruction set.
+        unsafe { apart(work) }
+    }
+    #[inline(always)]
     fn dots(axes: &[[f64; 3]; 3], d: &[[i32; 4]; 3]) -> [[f32; 4]; 3] {
         super::long::dots(axes, d)
     }
+}
+
+/// As [`Lanes::apart`].
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn apart<A: Apart>(work: A) -> A::Found {
+    work.run()
 }

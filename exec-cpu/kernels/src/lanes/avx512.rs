@@ -2,7 +2,7 @@
 
 use core::arch::x86_64::*;
 
-use umbra4_core::lanes::{Lanes, TILE, Table};
+use umbra4_core::lanes::{Apart, Lanes, TILE, Table};
 
 /// Sixteen f32 in one register. Only kernels compiled for AVX-512 use it, and those run only where it was detected.
 #[derive(Clone, Copy)]
@@ -181,7 +181,19 @@ impl Lanes for Avx512 {
         intrinsics!(u32::from(_mm512_cmplt_epi32_mask(a, b)))
     }
     #[inline(always)]
+    fn apart<A: Apart>(work: A) -> A::Found {
+        // SAFETY: whoever has these lanes was called for a processor that was found to have the instruction set.
+        unsafe { apart(work) }
+    }
+    #[inline(always)]
     fn dots(axes: &[[f64; 3]; 3], d: &[[i32; 4]; 3]) -> [[f32; 4]; 3] {
         super::long::dots(axes, d)
     }
+}
+
+/// As [`Lanes::apart`].
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl,avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+#[inline(never)]
+fn apart<A: Apart>(work: A) -> A::Found {
+    work.run()
 }

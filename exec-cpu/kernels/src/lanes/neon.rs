@@ -3,7 +3,7 @@
 use core::arch::aarch64::*;
 
 use umbra4_core::{
-    lanes::{Lanes, TILE, Table},
+    lanes::{Apart, Lanes, TILE, Table},
     light::MAX_SAMPLES,
 };
 
@@ -196,5 +196,9 @@ impl Lanes for Neon {
     #[inline(always)]
     fn less(a: Ints, b: Ints) -> u32 {
         Self::bits(Mask(each!(K => vcltq_s32(a.0[K], b.0[K]))))
+    }
+    #[inline(never)]
+    fn apart<A: Apart>(work: A) -> A::Found {
+        work.run()
     }
 }
