@@ -1,8 +1,9 @@
-//! The executor on a GPU, as a [`Subject`].
+//! The executor on a GPU, as a [`Subject`]; and the adapter that tests run on.
 
-use std::sync::Arc;
+use std::sync::{LazyLock, OnceLock};
 
-use libtest_mimic::{Arguments, Failed, Trial};
+use libtest_mimic::{Completion, Failed, Trial};
+use thiserror::Error;
 use umbra4_cpu::CpuWord;
 use umbra4_wgpu::{Choice, Gpu, GpuError, LatticeScene, Loading, WgpuExecutor};
 
@@ -12,40 +13,62 @@ use crate::{scene::Inputs, suite::Subject};
 #[derive(Debug)]
 pub struct Wgpu(WgpuExecutor);
 
-/// The adapter that tests run on, or why there is none; `None` where none has to be there. `UMBRA4_GPU` says which must be:
-/// `hardware`, `software`, or a part of its name; without it, the best there is.
+/// Why there is nothing to test on.
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
+pub enum Missing {
+    /// The adapter that `UMBRA4_GPU` asks for cannot be opened: tests fail.
+    #[error("{0}")]
+    Demanded(String),
+    /// `UMBRA4_GPU` asks for none, and none can be opened: tests are ignored.
+    #[error("{0}")]
+    Any(String),
+}
+
+/// Opens the adapter that tests run on. `UMBRA4_GPU` says which one must be there: `hardware`, `software`, or a part of its
+/// name; without it, the best there is.
 ///
 /// # Errors
-/// There is no such adapter.
-pub fn required() -> Result<Option<Gpu>, GpuError> {
+/// There is no such adapter, or none at all.
+pub fn required() -> Result<Gpu, Missing> {
     let choice = match std::env::var("UMBRA4_GPU").as_deref() {
         Ok("hardware") => Choice::Hardware,
         Ok("software") => Choice::Software,
         Ok(name) => Choice::Named(name.to_owned()),
         Err(_) => {
-            return Ok(Gpu::open(&Choice::Hardware).or_else(|_| Gpu::open(&Choice::Software)).ok());
+            return Gpu::open(&Choice::Hardware).or_else(|no_hardware| {
+                Gpu::open(&Choice::Software)
+                    .map_err(|no_software| Missing::Any(format!("{no_hardware}; {no_software}")))
+            });
         }
     };
-    Gpu::open(&choice).map(Some)
+    Gpu::open(&choice).map_err(|error| Missing::Demanded(error.to_string()))
 }
 
-/// The adapter that a test binary runs on, said on stdout; and whether its tests are to be skipped, since there is none and
-/// none has to be there. Where one has to be, every test fails with the reason.
-pub fn announced() -> (Result<Gpu, String>, bool) {
-    match required() {
-        Ok(Some(gpu)) => {
-            println!("tested on: {}", gpu.name);
-            (Ok(gpu), false)
-        }
-        Ok(None) => {
-            println!("SKIPPED: there is no adapter that can be used, and UMBRA4_GPU asks for none");
-            (Err("there is no adapter".to_owned()), true)
-        }
-        Err(error) => {
-            println!("{error}");
-            (Err(error.to_string()), false)
-        }
-    }
+/// The adapter that tests of a process share.
+pub fn shared() -> &'static Result<Gpu, Missing> {
+    static SHARED: LazyLock<Result<Gpu, Missing>> = LazyLock::new(required);
+    &SHARED
+}
+
+/// A test of what a device does, by its name. It may find that the device cannot do what is tested.
+pub type Test = (String, Box<dyn FnOnce(&Gpu) -> Result<Completion, Failed> + Send>);
+
+/// A test that any device can be put to.
+pub fn test(name: impl Into<String>, check: impl FnOnce(&Gpu) -> Result<(), Failed> + Send + 'static) -> Test {
+    (name.into(), Box::new(move |gpu| check(gpu).map(|()| Completion::Completed)))
+}
+
+/// Tests of a module as those of a binary: where there is no adapter they are ignored, with what is missing as the reason,
+/// and where one has to be they fail with it.
+pub fn trials(module: &str, tests: Vec<Test>) -> Vec<Trial> {
+    let trial = |(name, check): Test| {
+        Trial::ignorable_test(format!("{module}::{name}"), move || match shared() {
+            Ok(gpu) => check(gpu),
+            Err(Missing::Any(reason)) => Ok(Completion::ignored_with(reason)),
+            Err(Missing::Demanded(reason)) => Err(Failed::from(reason)),
+        })
+    };
+    tests.into_iter().map(trial).collect()
 }
 
 /// What is checked of an executor, on scenes of the generator that is named.
@@ -54,19 +77,15 @@ pub type Check = fn(&WgpuExecutor, &str) -> Result<(), Failed>;
 /// Receivers of a block: fewer than most scenes have, so that blocks are tested as well.
 const BLOCK: u32 = 96;
 
-/// Runs checks as the tests of a binary, by their names, each with its generator, on one executor that counts pairs and takes
-/// the time of stages.
-pub fn run(checks: Vec<(String, Check, &'static str)>) -> ! {
-    let arguments = Arguments::from_args();
-    let (gpu, missing) = announced();
-    let executor = |gpu| WgpuExecutor::new(gpu).with_block(BLOCK).with_counts(true).with_stage_times(true);
-    let executor = Arc::new(gpu.map(executor));
-    let trials = checks.into_iter().map(|(name, check, generator)| {
-        let executor = executor.clone();
-        let trial = Trial::test(name, move || check(executor.as_ref().as_ref().map_err(Failed::from)?, generator));
-        trial.with_ignored_flag(missing)
-    });
-    libtest_mimic::run(&arguments, trials.collect()).exit()
+/// Checks by their names, each with its generator, on the one executor of the process that counts pairs and takes the time
+/// of stages.
+pub fn of_executor(checks: Vec<(String, Check, &'static str)>) -> Vec<Test> {
+    static EXECUTOR: OnceLock<WgpuExecutor> = OnceLock::new();
+    let of_gpu = |gpu: &Gpu| {
+        EXECUTOR
+            .get_or_init(|| WgpuExecutor::new(gpu.clone()).with_block(BLOCK).with_counts(true).with_stage_times(true))
+    };
+    checks.into_iter().map(|(name, check, generator)| test(name, move |gpu| check(of_gpu(gpu), generator))).collect()
 }
 
 impl Wgpu {

@@ -9,21 +9,6 @@ use std::{
 
 use crate::compare::Compared;
 
-/// Bits that a run of the suite compares at least, over all word widths and executors.
-pub const BITS: u64 = 100_000_000;
-
-/// The bits asked for: [`BITS`], or what the environment variable `UMBRA4_BITS` says (`1e9`).
-pub fn bits_wanted() -> u64 {
-    match std::env::var("UMBRA4_BITS") {
-        Err(_) => BITS,
-        Ok(text) => {
-            let bits: f64 = text.parse().unwrap_or_else(|_| panic!("UMBRA4_BITS={text} is not a number"));
-            assert!(bits >= 1.0, "UMBRA4_BITS={text}: nothing would be compared");
-            bits as u64
-        }
-    }
-}
-
 /// Writes a line past the test harness, which keeps what passing tests print to itself.
 pub fn say(line: &str) {
     // A closed stderr is no reason to fail a test.

@@ -22,9 +22,11 @@
 //! | [`alone`] | one kernel alone, on a device and on the host |
 //! | [`serial_maps`] | all kernels of stochastic soft shadow maps, on the host |
 //! | [`suite`], [`ledger`] | one suite, instantiated per word width and executor, and its totals |
+//! | [`budget`] | how much tests compare |
 
 pub mod alone;
 pub mod bigint;
+pub mod budget;
 pub mod caster_inputs;
 pub mod caster_oracle;
 pub mod caster_scenes;

@@ -393,7 +393,7 @@ macro_rules! conformance_suite {
         const SUBJECTS: usize = [$(stringify!($module)),+].len();
         const WORDS: usize = 4;
         static LEDGER: std::sync::LazyLock<$crate::ledger::Ledger> = std::sync::LazyLock::new(|| {
-            $crate::ledger::Ledger::new(SUBJECTS * WORDS * (PROPERTIES + 1), $crate::ledger::bits_wanted())
+            $crate::ledger::Ledger::new(SUBJECTS * WORDS * (PROPERTIES + 1), $crate::budget::asked())
         });
         $(
             mod $module {
@@ -418,7 +418,7 @@ macro_rules! conformance_suite {
                         &$subject,
                         stringify!($name),
                         stringify!($property),
-                        $crate::ledger::bits_wanted().div_ceil(tests),
+                        $crate::budget::asked().div_ceil(tests),
                         &super::super::LEDGER,
                     );
                 }

@@ -1,0 +1,36 @@
+//! All tests that need no device, in one binary: each that is linked takes its time.
+
+mod arranged;
+mod caster_errors;
+mod caster_oracle;
+mod casters;
+mod closed;
+mod clouds;
+mod comparators;
+mod conformance;
+mod emission;
+mod errors;
+mod facing;
+mod gbuffer;
+mod grid;
+mod hard_cases;
+mod irradiance;
+mod jitter;
+mod lattice;
+mod lights;
+mod microquad_runs;
+mod microquads;
+mod oracle;
+mod order;
+mod pipeline;
+mod plan;
+mod punctual;
+mod second_oracle;
+mod shaders;
+mod silhouette;
+mod stochastic;
+mod stochastic_kernels;
+mod terminator;
+mod volume_lights;
+mod wide;
+mod words;
