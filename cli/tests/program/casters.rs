@@ -1,6 +1,5 @@
 //! Pictures of surfaces that are cut out, let light through, or cast on some layers only, against those of models without
 //! any of that which must look the same.
-#![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
 use crate::common::{Folder, gltf::card};
 use image::{DynamicImage, Rgb32FImage, Rgba, RgbaImage};

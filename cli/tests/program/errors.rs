@@ -1,5 +1,4 @@
 //! Every error: exit code 2, one line, no file left.
-#![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
 use crate::common::{Folder, array};
 

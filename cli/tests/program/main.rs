@@ -1,4 +1,5 @@
 //! The program and its library, in one binary: each that is linked takes its time.
+#![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
 mod casters;
 mod common;

@@ -1,5 +1,4 @@
 //! `umbra4 masks` against brute force in i128, on nothing but the integers that the program itself hands out.
-#![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
 use std::{fs::File, io::Read};
 

@@ -1,5 +1,4 @@
 //! What of glTF's materials has a say in shadows, read from documents that are written here.
-#![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
 use std::{path::Path, sync::Arc};
 

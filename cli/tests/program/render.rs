@@ -1,5 +1,4 @@
 //! `umbra4 render` and the program without arguments, at sizes that take no time.
-#![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
 use crate::common::Folder;
 

@@ -1,5 +1,4 @@
 //! `umbra4 report`, at a size that takes little time.
-#![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
 use std::fs;
 

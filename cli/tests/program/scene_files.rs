@@ -1,5 +1,4 @@
 //! Scene files and the lights of glTF models: what they show, and what is said where they are wrong.
-#![allow(clippy::unwrap_used)] // in a test, a panic is the message
 
 use crate::common::Folder;
 use image::{GrayImage, Luma, Rgb, Rgb32FImage, RgbImage, Rgba, RgbaImage};

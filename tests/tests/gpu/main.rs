@@ -36,6 +36,10 @@ fn main() {
         ("stages", stages::tests()),
         ("stochastic", stochastic::tests()),
     ];
-    let trials = modules.into_iter().flat_map(|(module, tests)| trials(module, tests));
-    libtest_mimic::run(&arguments, trials.chain([engine::of_gl()]).collect()).exit();
+    // In turn: those of a module wait for one another where they share an executor, and while a driver compiles its kernels.
+    let mut trials: Vec<_> =
+        modules.into_iter().flat_map(|(module, tests)| trials(module, tests).into_iter().enumerate()).collect();
+    trials.sort_by_key(|(place, _)| *place);
+    let trials = trials.into_iter().map(|(_, trial)| trial).chain([engine::of_gl()]);
+    libtest_mimic::run(&arguments, trials.collect()).exit();
 }
