@@ -26,7 +26,7 @@ use umbra4_tests::{
 };
 
 /// What all kinds of scenes compare together.
-static LEDGER: LazyLock<Ledger> = LazyLock::new(|| Ledger::new(GENERATORS.len(), budget::asked()));
+static LEDGER: LazyLock<Ledger> = LazyLock::new(|| Ledger::new(GENERATORS.len(), budget::asked() / 2));
 
 fn subjects() -> Vec<CpuCasters> {
     let mut sets = Isa::available().to_vec();
@@ -41,7 +41,7 @@ fn property(name: &str) {
     let (_, generator) = GENERATORS.iter().find(|(n, _)| *n == name).expect("a generator has this name");
     let mut rng = Rng::named(0, &format!("casters {name}"));
     let (subjects, mut total, mut decisions, mut round) = (subjects(), Compared::default(), Decisions::default(), 0);
-    while total.bits < budget::asked() / GENERATORS.len() as u64 + 1 {
+    while total.bits < budget::asked() / 2 / GENERATORS.len() as u64 + 1 {
         let width = rng.pick(&[16, 32, 64]);
         let samples = caster_scenes::grid(&mut rng, width);
         let scene = generator(&mut rng, samples);

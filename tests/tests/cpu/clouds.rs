@@ -28,7 +28,7 @@ use umbra4_tests::{
 };
 
 /// Scenes of each generator.
-const ROUNDS: usize = 8;
+const ROUNDS: usize = 6;
 
 fn executors() -> Vec<CpuExecutor> {
     let executor = |(k, isa)| CpuExecutor::new().with_isa(isa).with_threads(1 + k % 2).expect("threads can be started");

@@ -60,14 +60,14 @@ fn compare_all(name: &str, scenes: usize, lattice: impl Fn(Bounds) -> Lattice) -
 
 #[test]
 fn the_snap_moves_nothing_visible() {
-    let report = compare_all("fitting lattice", 240, |bounds| Lattice::covering(bounds).expect("the scene is finite"));
+    let report = compare_all("fitting lattice", 120, |bounds| Lattice::covering(bounds).expect("the scene is finite"));
     assert!(report.differing as f64 <= DIFFERING_SHARE * report.bits as f64);
 }
 
 /// On a lattice that is far too coarse the snap does move bits: each of them must be explained.
 #[test]
 fn every_bit_that_the_snap_moves_is_explained() {
-    let report = compare_all("coarse lattice", 120, |bounds| {
+    let report = compare_all("coarse lattice", 80, |bounds| {
         let wide = Bounds { min: bounds.min * f64::from(1 << 15), max: bounds.max * f64::from(1 << 15) };
         Lattice::covering(wide).expect("the bounds are finite")
     });
