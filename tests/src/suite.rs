@@ -359,11 +359,12 @@ static KNOWN: LazyLock<Vec<Known>> = LazyLock::new(|| {
     grids.flat_map(known).collect()
 });
 
-/// Runs the catalogue of hard cases on every sample grid that the word holds.
+/// Runs the catalogue of hard cases on every sample grid that the word holds; of each case, only one grid in `every`, where all of
+/// them are run for another word that the executor computes alike.
 ///
 /// # Panics
 /// At the first difference from the oracle, or from what a case states.
-pub fn hard_cases<W: CpuWord>(subject: &impl Subject, word: &str, ledger: &Ledger) {
+pub fn hard_cases<W: CpuWord>(subject: &impl Subject, word: &str, every: usize, ledger: &Ledger) {
     let mut total = Compared::default();
     // Executors choose the word for visibility themselves: once is enough.
     let visibility = if word == "u64" { Visibility::Compared } else { Visibility::Left };
@@ -371,7 +372,7 @@ pub fn hard_cases<W: CpuWord>(subject: &impl Subject, word: &str, ledger: &Ledge
         let mut run = 0;
         // A light that is wider than the word is the error tests' business.
         let fits = |known: &&Known| known.name == name && known.case.inputs.light.columns <= W::BITS;
-        for Known { what, case, expected, .. } in KNOWN.iter().filter(fits) {
+        for Known { what, case, expected, .. } in KNOWN.iter().filter(fits).step_by(every) {
             let expected = expected.get_or_init(|| case.inputs.oracle());
             match checked::<W>(subject, &case.inputs, expected, visibility) {
                 Ok((compared, masks)) => {
@@ -434,7 +435,7 @@ macro_rules! conformance_suite {
         mod $name {
             #[test]
             fn hard_cases() {
-                $crate::suite::hard_cases::<$word>(&$subject, stringify!($name), &super::super::LEDGER);
+                $crate::suite::hard_cases::<$word>(&$subject, stringify!($name), 1, &super::super::LEDGER);
             }
             $(
                 #[test]
