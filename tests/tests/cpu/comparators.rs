@@ -218,7 +218,7 @@ fn a_property_fails_for_a_wrong_executor() {
 #[test]
 #[should_panic(expected = "smallest scene that fails")]
 fn the_hard_cases_fail_for_a_wrong_executor() {
-    umbra4_tests::suite::hard_cases::<u64>(&Wrong, "u64", &Ledger::new(2, 1));
+    umbra4_tests::suite::hard_cases::<u64>(&Wrong, "u64", 1, &Ledger::new(2, 1));
 }
 
 #[test]
